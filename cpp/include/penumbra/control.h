@@ -1,0 +1,33 @@
+#pragma once
+
+#include <atomic>
+
+#include "penumbra/error.h"
+
+namespace penumbra {
+
+/// Shared between the one who waits and the one who works: the first asks to stop, the second tells how far it is.
+/// Both sides may call from any thread.
+class Control {
+public:
+    /// Asks the work to stop at its next check; idempotent.
+    void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+    [[nodiscard]] bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+
+    /// Called by the work at least ten times a second. @throws Cancelled once cancel() was called.
+    void check() const {
+        if (cancelled()) {
+            throw Cancelled{};
+        }
+    }
+
+    /// @param fraction share of the work that is done, 0 .. 1
+    void report(float fraction) noexcept { progress_.store(fraction, std::memory_order_relaxed); }
+    [[nodiscard]] float progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
+
+private:
+    std::atomic<bool> cancelled_{false};
+    std::atomic<float> progress_{0.0F};
+};
+
+}  // namespace penumbra

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "penumbra/control.h"
+
+namespace penumbra {
+
+/// Errors of V against the reference over the mask; every figure is in units of V (0 .. 1) unless said otherwise.
+/// Definitions: docs/measuring.md.
+struct ErrorSummary {
+    std::uint64_t pixels = 0;           ///< in the mask
+    std::uint64_t penumbra_pixels = 0;  ///< 1e-4 < reference < 1 - 1e-4
+    double rmse = 0.0, mae = 0.0, bias = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
+    double penumbra_rmse = 0.0;         ///< the headline figure
+    double leak = 0.0;                  ///< mean V in the umbra
+    double over_darkening = 0.0;        ///< mean 1 - V where fully lit
+    double penumbra_width_ratio = 0.0;  ///< width of the technique's penumbrae over the reference's; 0 if there is none
+    double reference_standard_error = 0.0;  ///< RMS of the reference's own over the mask
+    bool within_reference_noise = false;    ///< rmse <= reference_standard_error
+
+    /// Parts of the mean square error over the mask; they add up to rmse^2.
+    struct Parts {
+        double noise = 0.0;           ///< variance over seeds
+        double leak = 0.0;            ///< error in the umbra
+        double over_darkening = 0.0;  ///< error where fully lit
+        double bias = 0.0;            ///< penumbra: systematic in V_reference (wrong profile)
+        double aliasing = 0.0;        ///< penumbra: what is left (position dependent: staircase, acne, structure)
+    } parts;
+    std::string dominant;  ///< "noise", "leak", "over_darkening", "bias", "aliasing" or "none"
+    std::string sentence;  ///< what dominates, with numbers, for the report
+};
+
+/// @param visibility one image per seed (at least one), each of reference.size() entries
+/// @param standard_error of the reference, per pixel; may be empty (exact)
+[[nodiscard]] ErrorSummary measure_errors(std::span<const std::span<const float>> visibility,
+                                          std::span<const float> reference, std::span<const float> standard_error,
+                                          std::span<const std::uint8_t> mask, int width);
+
+struct TimeSummary {
+    double median = 0.0, p10 = 0.0, p90 = 0.0;  ///< milliseconds
+    double low = 0.0, high = 0.0;               ///< 95 % confidence interval of the median
+    int runs = 0;
+};
+[[nodiscard]] TimeSummary summarise_times(std::vector<double> samples_ms);
+
+struct TimingOptions {
+    int warm_up = 2;
+    int min_runs = 5;
+    int max_runs = 60;
+    double max_seconds = 4.0;          ///< per job, soft
+    double relative_interval = 0.05;   ///< stop when (high - low) / median is below this
+    std::uint32_t seed = 1;            ///< of the interleaving
+};
+
+/// Runs the jobs interleaved in random order until each one's median is tight or its cap is reached, so that drift
+/// hits all alike. Each job returns the milliseconds it measured itself.
+[[nodiscard]] std::vector<TimeSummary> measure_interleaved(std::span<const std::function<double()>> jobs,
+                                                           const TimingOptions& options, Control& control);
+
+/// Marks the records that no other beats in both error and time; equal points are all kept.
+[[nodiscard]] std::vector<bool> pareto_front(std::span<const double> times_ms, std::span<const double> errors);
+
+}  // namespace penumbra

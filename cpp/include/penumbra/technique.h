@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "penumbra/light.h"
+#include "penumbra/plan.h"
+#include "penumbra/settings.h"
+
+namespace penumbra {
+
+class Frame;      // passes/frame.h: scene, view and light on the GPU, and the step clock
+struct LightSummary;  // scene/summary.h: what of the scene matters to one light
+
+/// What is known of a technique without running it.
+struct TechniqueInfo {
+    std::string id;         ///< "shadow_map"
+    std::string title;      ///< "Hard shadow map"
+    std::string paper;      ///< key in docs/references.bib
+    std::string summary;    ///< one sentence
+    bool randomised = false;  ///< has a "seed" setting and noise that falls with samples
+    bool on_cpu = false;      ///< makes no use of OpenGL beyond the view
+    std::vector<LightKind> lights;
+    std::vector<SettingInfo> settings;
+};
+
+/// An ordinary no: why this technique cannot serve this light, or empty for yes.
+struct Verdict {
+    std::string reason;
+    [[nodiscard]] explicit operator bool() const noexcept { return reason.empty(); }
+};
+
+/// One way to turn (scene, view, light, settings) into V per pixel: 0 umbra .. 1 lit.
+///
+/// All calls come from the render thread. A Technique object serves one light with one set of settings and owns the
+/// maps it keeps between frames. The order is plan, prepare, update, resolve; then again resolve alone (the camera
+/// stands still: static frame) or update and resolve (casters or the light moved: dynamic frame).
+class Technique {
+public:
+    virtual ~Technique() = default;
+    [[nodiscard]] virtual const TechniqueInfo& info() const noexcept = 0;
+    [[nodiscard]] virtual Verdict supports(const Light& light) const = 0;
+    /// Decides what runs; reads numbers only, touches no GPU object.
+    [[nodiscard]] virtual Plan plan(const LightSummary& summary) const = 0;
+    /// Programs, buffers, maps: what a second frame does not need again.
+    virtual void prepare(Frame& frame) = 0;
+    /// Light space: what depends on the casters and the light.
+    virtual void update(Frame& frame) = 0;
+    /// View space: V at every pixel into frame.visibility().
+    virtual void resolve(Frame& frame) = 0;
+    [[nodiscard]] virtual std::size_t memory_bytes() const noexcept = 0;
+};
+
+/// All techniques, in the order users see them.
+[[nodiscard]] const std::vector<TechniqueInfo>& techniques();
+/// @throws InvalidSettings for an unknown id or bad settings; the message lists the ids.
+[[nodiscard]] std::unique_ptr<Technique> make_technique(std::string_view id, const Settings& settings);
+
+}  // namespace penumbra
