@@ -9,34 +9,27 @@ radiance. Matrices are float64 and map from local to world.
 
 from __future__ import annotations
 
-import ctypes
 import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from . import compat, materials
-from .notes import Notes
+from . import compat
+from .read import lights, materials, placing
+from .read.cameras import Frame, read_frame, read_lens
+from .read.errors import BridgeError
+from .read.meshes import MeshArrays, read_mesh
+from .read.notes import Notes
+from .read.transforms import DoubleArray, is_singular, matrix_of, unit
 
-FloatArray = npt.NDArray[np.float32]
-DoubleArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
+__all__ = ["NOTES_KEY", "BridgeError", "SceneExport", "read_scene"]
 
-GREY = (0.8, 0.8, 0.8)  # Blender's surface without a material
-MAX_LIGHT_CORNERS = 8
 NOTES_KEY = "penumbra_notes"  # custom property of a scene: what `scenes.open_scene` put there
 
 # Objects that never become triangles and are no loss.
-_SILENT_TYPES = frozenset(
-    {"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE", "LIGHTPROBE"}
-)
+_SILENT_TYPES = frozenset({"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE", "LIGHTPROBE"})
 _CONVERTED_TYPES = frozenset({"CURVE", "SURFACE", "FONT", "META"})
-
-
-class BridgeError(Exception):
-    """Something of the Blender scene cannot be exported at all; one sentence."""
 
 
 @dataclass(frozen=True)
@@ -75,279 +68,6 @@ def read_scene(
 
 
 @dataclass
-class MeshArrays:
-    """Triangles of one evaluated mesh in its own space, as the core takes them."""
-
-    positions: FloatArray  # (n, 3)
-    triangles: npt.NDArray[np.uint32]  # (m, 3)
-    corner_normals: FloatArray | None = None  # (3 m, 3)
-    triangle_material: npt.NDArray[np.uint16] | None = None  # (m,)
-
-    @property
-    def finite(self) -> bool:
-        # min and max carry a NaN through, and cost less than an isfinite array.
-        return bool(np.isfinite(self.positions.min()) and np.isfinite(self.positions.max()))
-
-
-# ---------------------------------------------------------------------------------------------------------- meshes
-
-
-def triangle_corners_slow(mesh: Any) -> IndexArray:
-    """Corner indices of all triangles, flat, by the documented way (150 ms for a million triangles)."""
-    corners = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
-    mesh.loop_triangles.foreach_get("loops", corners)
-    return corners
-
-
-def triangle_corners_fast(mesh: Any) -> IndexArray | None:
-    """The same through the address of the first triangle (1 ms), or None where the memory is not what we expect.
-
-    Blender keeps three int32 per triangle, one triangle after the other. That is no promise of its API, so the stride
-    is measured and some triangles are compared with what the API says; all of them are compared in the tests.
-    """
-    loop_triangles = mesh.loop_triangles
-    count = len(loop_triangles)
-    if count < 2:
-        return None
-    address = loop_triangles[0].as_pointer()
-    stride = 3 * ctypes.sizeof(ctypes.c_int32)
-    if loop_triangles[count - 1].as_pointer() - address != stride * (count - 1):
-        return None
-    shared = np.ctypeslib.as_array((ctypes.c_int32 * (3 * count)).from_address(address))
-    corners: IndexArray = shared.copy()
-    if corners.min() < 0 or corners.max() >= len(mesh.loops):
-        return None
-    for i in {0, 1, count // 3, count // 2, (2 * count) // 3, count - 1}:
-        if tuple(loop_triangles[i].loops) != tuple(corners[3 * i : 3 * i + 3]):
-            return None
-    return corners
-
-
-def _read_attribute(
-    mesh: Any, name: str, key: str, fallback: tuple[Any, str], shape: int, dtype: type
-) -> npt.NDArray[Any]:
-    """A whole attribute by its internal name (1 ms), or the documented collection where the name is unknown (20 ms+)."""
-    attribute = mesh.attributes.get(name)
-    source, field_name = (attribute.data, key) if attribute is not None else fallback
-    values = np.empty(len(source) * shape, dtype=dtype)
-    source.foreach_get(field_name, values)
-    return values
-
-
-def read_mesh(mesh: Any, *, fast: bool = True) -> MeshArrays | None:
-    """All triangles of an evaluated mesh, or None if it has none. fast=False takes the documented ways only."""
-    mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    if count == 0:
-        return None
-    corners = triangle_corners_fast(mesh) if fast else None
-    if corners is None:
-        corners = triangle_corners_slow(mesh)
-
-    if fast:
-        positions = _read_attribute(mesh, "position", "vector", (mesh.vertices, "co"), 3, np.float32)
-        corner_vertex = _read_attribute(mesh, ".corner_vert", "value", (mesh.loops, "vertex_index"), 1, np.int32)
-    else:
-        positions = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-        mesh.vertices.foreach_get("co", positions)
-        corner_vertex = np.empty(len(mesh.loops), dtype=np.int32)
-        mesh.loops.foreach_get("vertex_index", corner_vertex)
-    triangles = np.take(corner_vertex, corners).reshape(-1, 3).view(np.uint32)
-
-    normals: FloatArray | None = None
-    if compat.has_smooth_normals(mesh):
-        per_corner = np.empty(len(mesh.loops) * 3, dtype=np.float32)
-        mesh.corner_normals.foreach_get("vector", per_corner)
-        normals = np.take(per_corner.reshape(-1, 3), corners, axis=0)
-
-    material: npt.NDArray[np.uint16] | None = None
-    if mesh.attributes.get("material_index") is not None:
-        per_face = np.empty(len(mesh.polygons), dtype=np.int32)
-        mesh.attributes["material_index"].data.foreach_get("value", per_face)
-        if per_face.any():
-            face = np.empty(count, dtype=np.int32)
-            mesh.loop_triangle_polygons.foreach_get("value", face)
-            material = np.take(per_face, face).clip(0, 65535).astype(np.uint16)
-    return MeshArrays(positions.reshape(-1, 3), triangles, normals, material)
-
-
-def _matrix(blender_matrix: Any) -> DoubleArray:
-    return np.array(blender_matrix, dtype=np.float64)
-
-
-def _singular(world_from_local: DoubleArray) -> bool:
-    """True for a transform that is not finite or flattens space, judged apart from its overall scale."""
-    linear = world_from_local[:3, :3]
-    if not np.isfinite(world_from_local).all():
-        return True
-    lengths = np.linalg.norm(linear, axis=0)
-    if lengths.min() == 0.0:
-        return True
-    return bool(abs(np.linalg.det(linear / lengths)) < 1e-7)
-
-
-# ---------------------------------------------------------------------------------------------------------- lights
-
-
-def _unit(vector: DoubleArray) -> DoubleArray | None:
-    length = float(np.linalg.norm(vector))
-    if not math.isfinite(length) or length == 0.0:
-        return None
-    return vector / length
-
-
-def emitting_area(light: Any, world_from_local: DoubleArray) -> float:
-    """The area by which Blender divides a light's energy when it normalises; m^2, for a sun the projected solid angle."""
-    if light.type == "SUN":
-        return math.pi * math.sin(min(light.angle, math.pi) / 2.0) ** 2
-    if light.type in {"POINT", "SPOT"}:
-        return math.pi * light.shadow_soft_size**2
-    u, v = _area_axes(light, world_from_local)
-    area = 4.0 * float(np.linalg.norm(np.cross(u, v)))
-    return area * math.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else area
-
-
-def _area_axes(light: Any, world_from_local: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """From the centre to the edge along local x and y; the object's scale multiplies the light's size."""
-    size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
-    return world_from_local[:3, 0] * (light.size / 2.0), world_from_local[:3, 1] * (size_y / 2.0)
-
-
-def area_direction(world_from_local: DoubleArray) -> DoubleArray | None:
-    """Unit normal of an area light's plane on the side that local -z points to; None if the plane is undefined."""
-    x, y, z = (world_from_local[:3, i] for i in range(3))
-    normal = _unit(np.cross(x, y))
-    if normal is None:  # a light squeezed to a line or a point still knows where it looks
-        return _unit(-z)
-    return -normal if float(np.dot(normal, z)) > 0.0 or not np.any(z) else normal
-
-
-def planar_outline(positions: DoubleArray, triangles: npt.NDArray[np.uint32]) -> tuple[DoubleArray | None, str]:
-    """The corners of a flat convex patch of triangles, counter-clockwise seen from where the triangles face.
-
-    Returns (corners, "") or (None, why not). Corners that lie on a straight edge or inside are dropped.
-    """
-    points = positions[triangles.astype(np.int64)]
-    vector_area = 0.5 * np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    area = float(np.linalg.norm(vector_area, axis=1).sum())
-    if area <= 0.0 or not math.isfinite(area):
-        return None, "it has no area"
-    total = vector_area.sum(axis=0)
-    used = positions[np.unique(triangles)]
-    extent = float(np.linalg.norm(used.max(axis=0) - used.min(axis=0)))
-    normal = _unit(total)
-    if normal is None:
-        return None, "it is not flat"
-    if np.ptp(used @ normal) > 1e-4 * extent or float(np.linalg.norm(total)) < area * (1.0 - 1e-4):
-        return None, "it is not flat"
-
-    axis = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    u = np.cross(axis, normal)
-    u /= np.linalg.norm(u)
-    v = np.cross(normal, u)
-    flat = np.unique(np.column_stack((used @ u, used @ v)), axis=0)
-    hull = _convex_hull(flat, 1e-5 * extent)
-    if len(hull) < 3 or len(hull) > MAX_LIGHT_CORNERS:
-        return None, f"it has more than {MAX_LIGHT_CORNERS} corners" if len(hull) > 3 else "it has no area"
-    x, y = hull[:, 0], hull[:, 1]
-    hull_area = 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
-    if abs(hull_area - area) > 1e-3 * hull_area:
-        return None, "it is not convex"
-    height = float((used @ normal).mean())
-    return hull[:, :1] * u + hull[:, 1:] * v + height * normal, ""
-
-
-def _convex_hull(points: DoubleArray, tolerance: float) -> DoubleArray:
-    """Counter-clockwise hull (monotone chain) of points sorted by x then y, without points within tolerance of an edge."""
-
-    def chain(sequence: DoubleArray) -> list[DoubleArray]:
-        hull: list[DoubleArray] = []
-        for point in sequence:
-            while len(hull) > 1:
-                edge, step = hull[-1] - hull[-2], point - hull[-2]
-                span = math.hypot(*step)
-                if span > 0.0 and edge[0] * step[1] - edge[1] * step[0] > tolerance * span:
-                    break
-                hull.pop()
-            hull.append(point)
-        return hull[:-1]
-
-    if len(points) < 3:
-        return points
-    return np.array(chain(points) + chain(points[::-1]))
-
-
-# ---------------------------------------------------------------------------------------------------------- camera
-
-
-@dataclass(frozen=True)
-class Frame:
-    """The picture to be taken: pixels of the whole frame, the pixel's shape, and the part that is wanted."""
-
-    width: int
-    height: int
-    pixel_aspect: float = 1.0  # height of a pixel over its width
-    border: tuple[int, int, int, int] | None = None  # left, bottom, right, top in pixels
-
-    @property
-    def size(self) -> tuple[int, int]:
-        left, bottom, right, top = self.border or (0, 0, self.width, self.height)
-        return right - left, top - bottom
-
-
-def read_frame(scene: Any, size: tuple[int, int] | None = None) -> Frame:
-    """Resolution, percentage, pixel aspect and render border of a scene, rounded as Blender rounds them."""
-    render = scene.render
-    if size is not None:
-        width, height = int(size[0]), int(size[1])
-        if width < 1 or height < 1:
-            raise BridgeError(f"the picture's size is {width} x {height} pixels; it must be at least 1 x 1")
-    else:
-        width = max(1, render.resolution_x * render.resolution_percentage // 100)
-        height = max(1, render.resolution_y * render.resolution_percentage // 100)
-    border = None
-    if render.use_border:
-        left, right = (int(np.float32(f) * width) for f in (render.border_min_x, render.border_max_x))
-        bottom, top = (int(np.float32(f) * height) for f in (render.border_min_y, render.border_max_y))
-        if right > left and top > bottom:
-            border = (left, bottom, right, top)
-    return Frame(width, height, render.pixel_aspect_y / render.pixel_aspect_x, border)
-
-
-@dataclass
-class Lens:
-    """A camera in the core's words, for one frame."""
-
-    orthographic: bool
-    half_width: float  # at distance 1, or in metres where orthographic
-    shift: tuple[float, float]  # of the picture's centre, in picture widths
-
-
-def read_lens(camera: Any, frame: Frame) -> Lens:
-    """Blender's lens and sensor for one frame: `BKE_camera_params_compute_viewplane` said in the core's words."""
-    across, up = float(frame.width), float(frame.height) * frame.pixel_aspect  # both in pixel widths
-    fit = camera.sensor_fit
-    if fit == "AUTO":
-        fit = "HORIZONTAL" if across >= up else "VERTICAL"
-    fitted = across if fit == "HORIZONTAL" else up
-    # The sensor's height counts only where the fit is set to vertical by hand.
-    sensor = camera.sensor_height if camera.sensor_fit == "VERTICAL" else camera.sensor_width
-
-    orthographic = camera.type == "ORTHO"
-    extent = camera.ortho_scale if orthographic else sensor / camera.lens
-    per_pixel = extent / fitted
-    centre_x, centre_y = camera.shift_x * fitted, camera.shift_y * fitted  # in pixel widths
-    if frame.border is not None:
-        left, bottom, right, top = frame.border
-        centre_x += (left + right - frame.width) / 2.0
-        centre_y += (bottom + top - frame.height) / 2.0 * frame.pixel_aspect
-    width = frame.size[0]
-    return Lens(orthographic, per_pixel * width / 2.0, (centre_x / width, centre_y / width))
-
-
-# ---------------------------------------------------------------------------------------------------------- reader
-
-
 @dataclass
 class _Geometry:
     """A mesh that was sent, with what instances of it share."""
@@ -388,7 +108,7 @@ class _Reader:
         self.light_set: set[str] = set()
         self.triangles = 0
         self.objects = 0
-        self.camera_hidden: dict[int, tuple[bool, bool, bool, bool]] = {}
+        self.known_switches: dict[int, tuple[bool, bool, bool, bool]] = {}
 
     def read(self, camera: str | None, size: tuple[int, int] | None) -> SceneExport:
         for text in self.blender_scene.get(NOTES_KEY, ()):
@@ -437,14 +157,12 @@ class _Reader:
             if geometry:
                 self.notes.add(geometry, obj.name)
             return
-        world_from_local = _matrix(instance.matrix_world)
-        if _singular(world_from_local):
+        world_from_local = matrix_of(instance.matrix_world)
+        if is_singular(world_from_local):
             self.notes.add("left out, its transform flattens it or is not finite (a scale of 0?)", obj.name)
             return
         surfaces = self._surfaces(instance)
-        if any(surface.emits for surface in surfaces) and self._emitter(
-            instance, geometry, surfaces, world_from_local
-        ):
+        if any(surface.emits for surface in surfaces) and self._emitter(instance, geometry, surfaces, world_from_local):
             return
 
         visible, casts, receives = self._switches(instance)
@@ -498,14 +216,14 @@ class _Reader:
     def _own_switches(self, obj: Any) -> tuple[bool, bool, bool, bool]:
         """visible, casts, holdout, shadow catcher of one object, asked once."""
         key = obj.original.as_pointer()
-        known = self.camera_hidden.get(key)
+        known = self.known_switches.get(key)
         if known is None:
             layer = self.depsgraph.view_layer_eval
             indirect = obj.indirect_only_get(view_layer=layer)
             holdout = bool(obj.is_holdout or obj.holdout_get(view_layer=layer))
             visible = bool(obj.visible_camera) and not indirect
             known = (visible, bool(obj.visible_shadow), holdout, bool(obj.is_shadow_catcher))
-            self.camera_hidden[key] = known
+            self.known_switches[key] = known
         return known
 
     def _particles(self, instance: Any) -> None:
@@ -579,7 +297,7 @@ class _Reader:
                     slots.append(slot.material)
                 elif slot.link == "OBJECT":
                     slots[i] = slot.material
-        return [self.materials.surface(material) for material in slots] or [materials.Surface(GREY)]
+        return [self.materials.surface(material) for material in slots] or [materials.Surface(materials.GREY)]
 
     # --------------------------------------------------------------------------------------------------- lights
 
@@ -593,7 +311,7 @@ class _Reader:
             return
         obj = instance.object
         data = obj.data
-        matrix = _matrix(instance.matrix_world)
+        matrix = matrix_of(instance.matrix_world)
         if not np.isfinite(matrix).all():
             self.notes.add("left out, the light's transform is not finite", obj.name)
             return
@@ -601,7 +319,7 @@ class _Reader:
             self.notes.add("left out, the light does not reach diffuse surfaces (ray visibility)", obj.name)
             return
         nodes = self.materials.light_factor(data, obj.name)
-        strength = float(data.energy) * compat.light_strength_factor(data, emitting_area(data, matrix))
+        strength = float(data.energy) * compat.light_strength_factor(data, lights.normalising_area(data, matrix))
         power = np.array([strength * c * n for c, n in zip(compat.light_tint(data), nodes, strict=True)])
         if not np.isfinite(power).all() or power.min() < 0.0:
             self.notes.add("left out, the light's strength is negative or not a number", obj.name)
@@ -619,6 +337,8 @@ class _Reader:
             return
         if not light.casts_shadow:
             self.notes.add("the light's shadow is switched off; it lights everything", obj.name)
+        if light.kind in {"point", "spot"} and light.radius_m > 0.0 and compat.has_soft_falloff(data):
+            self.notes.add("soft falloff is ignored; within a few radii of the light, Cycles is darker", obj.name)
         linking = getattr(obj, "light_linking", None)
         if linking is not None and (linking.receiver_collection or linking.blocker_collection):
             self.notes.add("light linking is ignored; the light reaches everything", obj.name)
@@ -637,14 +357,14 @@ class _Reader:
             light.radius_m = float(data.shadow_soft_size)
             return True
         if data.type == "AREA":
-            direction = area_direction(matrix)
-            half_u, half_v = _area_axes(data, matrix)
+            direction = lights.area_direction(matrix)
+            half_u, half_v = lights.area_axes(data, matrix)
             light.kind = "ellipse" if data.shape in {"DISK", "ELLIPSE"} else "rectangle"
             light.half_u_ws, light.half_v_ws = tuple(half_u), tuple(half_v)
             if data.spread < math.pi - 1e-4:
-                self.notes.add("the area light's spread is ignored; it shines to all sides of its front", light_label(data))
+                self.notes.add("the area light's spread is ignored; it shines to all sides of its front", data.name)
         else:
-            direction = _unit(-z)
+            direction = unit(-z)
         if direction is None:
             return False
         light.direction_ws = tuple(direction)
@@ -652,7 +372,7 @@ class _Reader:
             light.kind = "sun"
             light.sun_angle_rad = float(min(data.angle, math.pi))
         elif data.type == "SPOT":
-            u, v = _unit(x), _unit(y)
+            u, v = unit(x), unit(y)
             if u is None or v is None:
                 return False
             light.kind = "spot"
@@ -663,7 +383,7 @@ class _Reader:
             depth = float(np.linalg.norm(z))
             light.spot_stretch = (float(np.linalg.norm(x)) / depth, float(np.linalg.norm(y)) / depth)
             if data.use_square:
-                self.notes.add("the spot's square cone is drawn round", light_label(data))
+                self.notes.add("the spot's square cone is drawn round", data.name)
         return True
 
     def _emitter(
@@ -688,29 +408,26 @@ class _Reader:
         elif geometry.count > 4096:
             why = "it is too detailed"
         else:
-            corners, why = planar_outline(geometry.arrays.positions.astype(np.float64), geometry.arrays.triangles)
+            corners, why = lights.planar_outline(
+                geometry.arrays.positions.astype(np.float64), geometry.arrays.triangles
+            )
         if corners is None:
             self.notes.add(f"glows in Blender, but stays an ordinary surface: {why}", name)
             return False
 
-        corners_ws = corners @ matrix[:3, :3].T + matrix[:3, 3]
-        # Blender's normal of a mirrored object is the transformed normal, not the normal of the transformed corners.
-        if np.linalg.det(matrix[:3, :3]) < 0.0:
-            corners_ws = corners_ws[::-1]
-        centre = corners_ws.mean(axis=0)
-        around = np.roll(corners_ws, -1, axis=0)
-        vector_area = 0.5 * np.cross(corners_ws - centre, around - centre).sum(axis=0)
-        area = float(np.linalg.norm(vector_area))
-        direction = _unit(vector_area)
-        if direction is None:
+        corners_ws = lights.facing_outline(corners, matrix)
+        vector_area = lights.outline_vector_area(corners_ws)
+        direction = unit(vector_area)
+        emission = glowing[0].emission
+        if direction is None or emission is None:
             return False
         light = self.core.Light()
         light.kind = "polygon"
-        light.position_ws = tuple(centre)
+        light.position_ws = tuple(corners_ws.mean(axis=0))
         light.direction_ws = tuple(direction)
         light.corners_ws = [tuple(c) for c in corners_ws]
-        assert glowing[0].emission is not None
-        light.power_w = tuple(math.pi * area * e for e in glowing[0].emission)
+        area = float(np.linalg.norm(vector_area))
+        light.power_w = tuple(math.pi * area * e for e in emission)
         self.notes.add("a glowing flat mesh; taken as a light that shines to the side its normals point to", name)
         self._add_light(light, self._light_name(instance))
         return True
@@ -729,13 +446,12 @@ class _Reader:
         camera.pixel_aspect = frame.pixel_aspect
         if obj is None:
             self._place_camera(camera, frame)
-            camera.name = "placed camera"
             self.scene.camera = camera
             return str(camera.name)
 
         data = obj.data
-        matrix = _matrix(obj.matrix_world)
-        if _singular(matrix):
+        matrix = matrix_of(obj.matrix_world)
+        if is_singular(matrix):
             raise BridgeError(f'camera "{obj.name}" has a transform that flattens it or is not finite; clear its scale')
         if data.type not in {"PERSP", "ORTHO"}:
             what = compat.panorama_name(data) if data.type == "PANO" else "custom"
@@ -744,7 +460,7 @@ class _Reader:
             self.notes.add("its depth of field is ignored", obj.name)
         lens = read_lens(data, frame)
         camera.name = obj.name
-        camera.world_from_camera = self._rigid(matrix, obj.name)
+        camera.world_from_camera = self._rigid(matrix)
         camera.orthographic = lens.orthographic
         if lens.orthographic:
             camera.half_width_m = lens.half_width
@@ -756,14 +472,15 @@ class _Reader:
         self.scene.camera = camera
         return str(obj.name)
 
-    def _rigid(self, matrix: DoubleArray, name: str) -> DoubleArray:
-        """The camera's frame without scale and shear: it keeps looking where it looked."""
+    @staticmethod
+    def _rigid(matrix: DoubleArray) -> DoubleArray:
+        """The camera's frame without scale and shear. It keeps looking where it looked; a mirror stays a mirror."""
         z = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
         y = matrix[:3, 1] - z * float(np.dot(matrix[:3, 1], z))
         y /= np.linalg.norm(y)
         x = np.cross(y, z)
         if float(np.dot(x, matrix[:3, 0])) < 0.0:
-            self.notes.add("the camera is mirrored; its picture is shown the right way round", name)
+            x = -x
         rigid = np.eye(4)
         rigid[:3, 0], rigid[:3, 1], rigid[:3, 2], rigid[:3, 3] = x, y, z, matrix[:3, 3]
         return rigid
@@ -788,62 +505,20 @@ class _Reader:
         return np.concatenate(self.world_boxes)
 
     def _place_camera(self, camera: Any, frame: Frame) -> None:
-        """Frame everything: seen from the front right and above, 50 mm on 36 mm, 5 % air at the tightest edge.
-
-        The rule looks only at the bounding boxes of what is visible, so the same scene gets the same camera.
-        """
-        points = self._box_points()
-        centre = (points.min(axis=0) + points.max(axis=0)) / 2.0
-        z = np.array([0.45, -0.77, 0.45])
-        z /= np.linalg.norm(z)
-        x = np.cross([0.0, 0.0, 1.0], z)
-        x /= np.linalg.norm(x)
-        y = np.cross(z, x)
-        tan_wide = 36.0 / 2.0 / 50.0
-        across, up = float(frame.size[0]), frame.size[1] * frame.pixel_aspect
-        tan_x, tan_y = tan_wide * across / max(across, up), tan_wide * up / max(across, up)
-        local = (points - centre) @ np.column_stack((x, y, z))
-        air = 0.95
-        distance = float(
-            np.maximum(
-                local[:, 2] + np.abs(local[:, 0]) / (air * tan_x), local[:, 2] + np.abs(local[:, 1]) / (air * tan_y)
-            ).max()
-        )
-        depth = float(np.ptp(local[:, 2]))
-        distance = max(distance, float(local[:, 2].max()) + 1e-3 * max(depth, 1e-6))
-        near = distance - float(local[:, 2].max())
-        camera.world_from_camera = np.vstack(
-            (np.column_stack((x, y, z, centre + distance * z)), np.array([0.0, 0.0, 0.0, 1.0]))
-        )
-        camera.tan_half_width = tan_x
-        camera.near_m = max(near * 0.5, 1e-3 * (distance + depth))
-        camera.far_m = (distance + depth) * 4.0
+        placed = placing.frame_everything(self._box_points(), frame)
+        camera.name = "placed camera"
+        camera.world_from_camera = placed.world_from_camera
+        camera.tan_half_width = placed.tan_half_width
+        camera.near_m, camera.far_m = placed.near_m, placed.far_m
         self.notes.add("there is no camera; one was placed that frames everything")
 
     def _default_light(self) -> None:
-        """A square of a quarter of the scene's diameter, one diameter away, above and to the camera's left."""
-        points = self._box_points()
-        low, high = points.min(axis=0), points.max(axis=0)
-        centre = (low + high) / 2.0
-        diameter = max(float(np.linalg.norm(high - low)), 1e-6)
         eye = np.array(self.scene.camera.world_from_camera, dtype=np.float64)
-        left = -eye[:3, 0] * np.array([1.0, 1.0, 0.0])
-        towards = np.array([0.0, 0.0, 1.0]) + 0.5 * (_unit(left) if _unit(left) is not None else np.zeros(3))
-        towards /= np.linalg.norm(towards)
-        u = np.cross([0.0, 1.0, 0.0], towards)
-        u /= np.linalg.norm(u)
-        v = np.cross(towards, u)
+        placed = placing.light_everything(self._box_points(), eye)
         light = self.core.Light()
         light.kind = "rectangle"
-        light.position_ws = tuple(centre + diameter * towards)
-        light.direction_ws = tuple(-towards)
-        light.half_u_ws, light.half_v_ws = tuple(u * diameter / 8.0), tuple(v * diameter / 8.0)
-        # Irradiance of about 3 W/m^2 at the centre: a white surface then shows a value close to 1.
-        watts = 3.0 * math.pi * diameter**2
-        light.power_w = (watts, watts, watts)
+        light.position_ws, light.direction_ws = tuple(placed.position), tuple(placed.direction)
+        light.half_u_ws, light.half_v_ws = tuple(placed.half_u), tuple(placed.half_v)
+        light.power_w = (placed.power_w,) * 3
         self._add_light(light, "placed light")
         self.notes.add("there is no light; a square area light was placed above, to the left of the camera")
-
-
-def light_label(data: Any) -> str:
-    return str(data.name)

@@ -5,7 +5,6 @@ Where an attribute tells the versions apart we ask for the attribute, not for th
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 MINIMUM_BLENDER = (4, 2, 0)
@@ -13,14 +12,14 @@ MINIMUM_BLENDER = (4, 2, 0)
 _FACTORY_GLTF = "io_scene_gltf2"
 
 
-def light_strength_factor(light: Any, area_m2: float) -> float:
+def light_strength_factor(light: Any, normalising_area: float) -> float:
     """What multiplies `light.energy`: 2^exposure, and the light's area where it is not normalised (4.5 and newer).
 
-    area_m2 is the area Blender divides by when it normalises, see `bridge.emitting_area`.
+    normalising_area: what Blender divides by when it normalises, see `bridge.normalising_area`.
     """
-    factor = 2.0 ** float(getattr(light, "exposure", 0.0))
+    factor: float = 2.0 ** float(getattr(light, "exposure", 0.0))
     if not getattr(light, "normalize", True):
-        factor *= area_m2
+        factor *= normalising_area
     return factor
 
 
@@ -57,7 +56,8 @@ def has_smooth_normals(mesh: Any) -> bool:
     return bool(mesh.normals_domain != "FACE" or mesh.has_custom_normals)
 
 
-def soft_falloff_possible(light: Any) -> bool:
+def has_soft_falloff(light: Any) -> bool:
+    """4.2 and newer: point and spot lights dim as if their centre were farther than it is."""
     return bool(getattr(light, "use_soft_falloff", False))
 
 
@@ -71,7 +71,3 @@ def ensure_gltf_importer(bpy: Any) -> None:
         import addon_utils
 
         addon_utils.enable(_FACTORY_GLTF, default_set=False)
-
-
-def sphere_cap_solid_angle(half_angle_rad: float) -> float:
-    return 2.0 * math.pi * (1.0 - math.cos(half_angle_rad))

@@ -24,6 +24,7 @@ import numpy as np
 
 from . import compat
 from .bridge import NOTES_KEY, BridgeError, SceneExport, read_scene
+from .read.transforms import DoubleArray
 
 T = TypeVar("T")
 
@@ -299,7 +300,9 @@ def _is_open(bpy: Any, file: Path) -> bool:
 def _reason(raised: str, printed: str, file: Path) -> str:
     """The telling line of Blender's message, without the path that the sentence names anyway."""
     line = _last_line(raised if raised.strip() else printed)
-    return re.sub(r'\s*(in file|in|file|File)?\s*[\'"]?' + re.escape(str(file.resolve())) + r'[\'"]?:?\s*', " ", line).strip()
+    return re.sub(
+        r'\s*(in file|in|file|File)?\s*[\'"]?' + re.escape(str(file.resolve())) + r'[\'"]?:?\s*', " ", line
+    ).strip()
 
 
 def _import_mesh(bpy: Any, file: Path) -> None:
@@ -330,7 +333,7 @@ def _import_mesh(bpy: Any, file: Path) -> None:
     _furnish(bpy, *box)
 
 
-def _bounding_box(bpy: Any) -> tuple[np.ndarray, np.ndarray] | None:
+def _bounding_box(bpy: Any) -> tuple[DoubleArray, DoubleArray] | None:
     """World-space bounds of everything with faces, or None."""
     lows, highs = [], []
     for instance in bpy.context.evaluated_depsgraph_get().object_instances:
@@ -348,7 +351,7 @@ def _bounding_box(bpy: Any) -> tuple[np.ndarray, np.ndarray] | None:
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
-def _furnish(bpy: Any, low: np.ndarray, high: np.ndarray) -> None:
+def _furnish(bpy: Any, low: DoubleArray, high: DoubleArray) -> None:
     """A floor just below, an area light to the upper left, a camera at the front right; sized to the mesh."""
     scene = bpy.context.scene
     diameter = max(float(np.linalg.norm(high - low)), 1e-6)
@@ -405,7 +408,7 @@ def _furnish(bpy: Any, low: np.ndarray, high: np.ndarray) -> None:
     bpy.context.view_layer.update()
 
 
-def _look(obj: Any, place: np.ndarray, target: np.ndarray) -> None:
+def _look(obj: Any, place: DoubleArray, target: DoubleArray) -> None:
     """Stand at `place` and look along -z at `target`, with +y up."""
     from mathutils import Vector
 

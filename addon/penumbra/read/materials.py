@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from . import compat
+from .. import compat
 from .notes import Notes
 
 Colour = tuple[float, float, float]
@@ -112,7 +112,7 @@ class Reader:
         """True unless the world is plainly black."""
         tree = compat.node_tree(world)
         if tree is None:
-            return max(world.color) > 0.0
+            return bool(max(world.color) > 0.0)
         output = tree.get_output_node("CYCLES")
         node = _source(output.inputs["Surface"]) if output is not None else None
         if node is None:
@@ -123,7 +123,7 @@ class Reader:
         return True
 
     def _read(self, material: Any) -> Surface:
-        viewport: Colour = tuple(material.diffuse_color)[:3]  # type: ignore[assignment]
+        viewport: Colour = tuple(material.diffuse_color)[:3]
         tree = compat.node_tree(material)
         if tree is None:
             return Surface(_clamped(viewport))
