@@ -1,0 +1,330 @@
+#include "reference/ray_reference.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/parallel.h"
+#include "reference/light_mask.h"
+#include "reference/light_points.h"
+#include "reference/receivers.h"
+#include "reference/sampling.h"
+
+namespace penumbra {
+namespace {
+
+/// Strata per side of the pilot. 36 pairs, pooled over 3 x 3 pixels, hold some 40 differing pairs in the middle of a
+/// penumbra, which predicts a standard deviation to about 8 %.
+constexpr int kPilotSide = 6;
+/// Two samples per stratum.
+constexpr int kPairs = kRayLanes / 2;
+/// Rays beyond what the pilot asks for: its prediction scatters, and most pixels should end below the error asked for.
+constexpr double kSpareRays = 1.25;
+/// Streams of random numbers.
+constexpr std::uint32_t kPilotStream = 1;
+constexpr std::uint32_t kFinalStream = 2;
+
+/// Sums over the pairs of one pixel; w is the irradiance weight, x = w * visible.
+struct Sums {
+    std::uint32_t seen = 0;
+    std::uint32_t differing = 0;  ///< pairs of which one sample is visible
+    double w = 0.0, x = 0.0;
+    double xx = 0.0, xw = 0.0, ww = 0.0;  ///< of the differences within pairs
+};
+
+/// Casts side * side pairs of rays from one receiver. For a line light the strata are side * side intervals.
+class PixelTracer {
+public:
+    PixelTracer(const RayScene& scene, const LightPoints& points, std::uint32_t seed)
+        : scene_{scene}, points_{points}, seed_{seed} {
+        std::fill(std::begin(rays_.mask), std::end(rays_.mask), ~0U);
+    }
+
+    Sums trace(const Receiver& receiver, int side, std::uint32_t stream) noexcept {
+        for (int i = 0; i < kRayLanes; ++i) {
+            lanes_.px[i] = receiver.position_an.x;
+            lanes_.py[i] = receiver.position_an.y;
+            lanes_.pz[i] = receiver.position_an.z;
+            lanes_.nx[i] = receiver.normal.x;
+            lanes_.ny[i] = receiver.normal.y;
+            lanes_.nz[i] = receiver.normal.z;
+            lanes_.offset[i] = receiver.offset;
+        }
+        const std::uint32_t key = sequence_key(receiver.pixel, seed_, stream);
+        const bool line = points_.one_dimensional();
+        const int strata = side * side;
+        const float width = 1.0F / static_cast<float>(line ? strata : side);
+        const float height = line ? 1.0F : width;
+        Sums sums;
+        for (int first = 0; first < strata; first += kPairs) {
+            const int pairs = std::min(kPairs, strata - first);
+            alignas(64) int valid[kRayLanes];
+            // Lanes 0 .. 7 are the first samples of eight strata, lanes 8 .. 15 the second ones.
+            for (int i = 0; i < kRayLanes; ++i) {
+                const int pair = i % kPairs;
+                const int stratum = std::min(first + pair, strata - 1);
+                const int column = line ? stratum : stratum % side;
+                const int row = line ? 0 : stratum / side;
+                float a;
+                float b;
+                uniform_pair(key, static_cast<std::uint32_t>(2 * stratum + i / kPairs), a, b);
+                samples_.u[i] = (static_cast<float>(column) + a) * width;
+                samples_.v[i] = (static_cast<float>(row) + b) * height;
+                valid[i] = pair < pairs ? -1 : 0;
+            }
+            points_.aim(lanes_, samples_, rays_, weight_);
+            scene_.occluded(valid, rays_);
+            add(pairs, sums);
+        }
+        return sums;
+    }
+
+private:
+    void add(int pairs, Sums& sums) const noexcept {
+        for (int i = 0; i < pairs; ++i) {
+            const bool seen_a = rays_.tfar[i] >= 0.0F;
+            const bool seen_b = rays_.tfar[i + kPairs] >= 0.0F;
+            const double wa = weight_[i];
+            const double wb = weight_[i + kPairs];
+            const double xa = seen_a ? wa : 0.0;
+            const double xb = seen_b ? wb : 0.0;
+            sums.seen += (seen_a ? 1U : 0U) + (seen_b ? 1U : 0U);
+            sums.differing += seen_a != seen_b ? 1U : 0U;
+            sums.w += wa + wb;
+            sums.x += xa + xb;
+            sums.xx += (xa - xb) * (xa - xb);
+            sums.xw += (xa - xb) * (wa - wb);
+            sums.ww += (wa - wb) * (wa - wb);
+        }
+    }
+
+    const RayScene& scene_;
+    const LightPoints& points_;
+    std::uint32_t seed_;
+    ReceiverLanes lanes_{};
+    SampleLanes samples_{};
+    RayPacket rays_{};
+    alignas(64) float weight_[kRayLanes]{};
+};
+
+/// Strata per side that keep the standard deviation of a single stratum's feature at or below `error`.
+int least_side(double error) noexcept {
+    // sd = sqrt(1/8) / strata, see the header.
+    return static_cast<int>(std::ceil(std::sqrt(std::sqrt(0.125) / error)));
+}
+
+/// Strata per side for `error`, from the differing pairs of the pilot (a mean over pixels, so not whole).
+int wanted_side(double differing, double error, bool line) noexcept {
+    if (differing <= 0.0) {
+        return 0;
+    }
+    constexpr double kStrata = kPilotSide * kPilotSide;
+    const double variance = differing / (4.0 * kStrata * kStrata);
+    // An edge crosses sqrt(n) of n strata, and one of n intervals: the variance falls with n^-3/2 and n^-2.
+    const double exponent = line ? 0.5 : 2.0 / 3.0;
+    const double strata = kSpareRays * kStrata * std::pow(variance / (error * error), exponent);
+    return static_cast<int>(std::ceil(std::sqrt(strata)));
+}
+
+/// For every pixel the strata per side that its own pilot and its neighbours' ask for. The mean over 3 x 3 steadies
+/// the prediction; the pixel's own count rules where it stands out, and a neighbour's half where that stands out, so
+/// that a penumbra narrower than a pixel is not missed beside its edge.
+std::vector<std::uint16_t> plan_sides(const View& view, const std::vector<std::uint8_t>& traced,
+                                      const std::vector<std::uint8_t>& differing, int least, int most, double error,
+                                      bool line, bool& reached) {
+    std::vector<std::uint16_t> sides(view.size(), 0);
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x;
+            if (traced[pixel] == 0) {
+                continue;
+            }
+            double sum = 0.0;
+            double highest_neighbour = 0.0;
+            int pixels = 0;
+            for (int ny = std::max(0, y - 1); ny <= std::min(view.height - 1, y + 1); ++ny) {
+                for (int nx = std::max(0, x - 1); nx <= std::min(view.width - 1, x + 1); ++nx) {
+                    const std::size_t other = static_cast<std::size_t>(ny) * static_cast<std::size_t>(view.width) + nx;
+                    if (traced[other] == 0) {
+                        continue;
+                    }
+                    sum += differing[other];
+                    highest_neighbour = std::max(highest_neighbour, static_cast<double>(differing[other]));
+                    ++pixels;
+                }
+            }
+            const double expected =
+                std::max({sum / pixels, 0.7 * static_cast<double>(differing[pixel]), 0.5 * highest_neighbour});
+            const int wanted = std::max(least, wanted_side(expected, error, line));
+            reached = reached && wanted <= most;
+            sides[pixel] = static_cast<std::uint16_t>(std::clamp(wanted, 1, most));
+        }
+    }
+    return sides;
+}
+
+/// Counts rays done against rays planned, over both phases.
+class Progress {
+public:
+    Progress(Control& control, double share, double from) : control_{control}, share_{share}, from_{from} {}
+    void plan(std::uint64_t rays) noexcept { planned_ = rays; }
+    void add(std::uint64_t rays) noexcept {
+        const std::uint64_t done = done_ += rays;
+        control_.report(static_cast<float>(from_ + share_ * static_cast<double>(done) /
+                                                       static_cast<double>(std::max<std::uint64_t>(1, planned_))));
+    }
+
+private:
+    Control& control_;
+    double share_, from_;
+    std::uint64_t planned_ = 1;
+    std::atomic<std::uint64_t> done_{0};
+};
+
+/// Runs one phase over all pixels with a side above 0; `store` gets each pixel's sums, from any thread.
+template <class SideOf, class Store>
+void trace_pixels(const RayScene& rays, const View& view, const LightPoints& points, const ReferenceOptions& options,
+                  const std::vector<std::uint8_t>& traced, std::uint32_t stream, Progress& progress, Control& control,
+                  const SideOf& side_of, const Store& store) {
+    const Tiles tiles{view};
+    parallel_for(
+        tiles.count(), 1,
+        [&](std::int64_t begin, std::int64_t end) {
+            PixelTracer tracer{rays, points, options.seed};
+            std::vector<Receiver> receivers;
+            for (std::int64_t tile = begin; tile < end; ++tile) {
+                tiles.collect(rays, view, traced, tile, receivers);
+                std::uint64_t cast = 0;
+                for (const Receiver& receiver : receivers) {
+                    control.check();  // a pixel takes some 10 ms at the very most
+                    const int side = side_of(receiver.pixel);
+                    store(receiver.pixel, side, tracer.trace(receiver, side, stream));
+                    cast += 2U * static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side);
+                }
+                progress.add(cast);
+            }
+        },
+        control);
+}
+
+void check(const ReferenceOptions& options) {
+    if (!(options.standard_error > 0.0 && options.standard_error < 1.0)) {
+        throw InvalidSettings("reference: standard_error is " + std::to_string(options.standard_error) +
+                              "; choose a number between 0 and 1, e.g. 0.002");
+    }
+    if (options.max_rays_per_pixel < 2) {
+        throw InvalidSettings("reference: max_rays_per_pixel is " + std::to_string(options.max_rays_per_pixel) +
+                              "; choose at least 2");
+    }
+}
+
+}  // namespace
+
+Reference trace_reference(const RayScene& rays, const Scene& scene, const View& view, const Light& light,
+                          const ReferenceOptions& options, Control& control) {
+    check(options);
+    const auto start = std::chrono::steady_clock::now();
+    Reference result;
+    result.method = "ray traced";
+    result.mask = light_mask(scene, view, light);
+    result.area.assign(view.size(), 1.0F);
+    result.irradiance.assign(view.size(), 1.0F);
+    result.standard_error.assign(view.size(), 0.0F);
+    result.irradiance_standard_error.assign(view.size(), 0.0F);
+    const auto finish = [&] {
+        result.time_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        control.report(1.0F);
+        return std::move(result);
+    };
+
+    std::vector<std::uint8_t> traced = result.mask;
+    if (options.keep_everything) {
+        for (std::size_t i = 0; i < view.size(); ++i) {
+            traced[i] = view.hit(i) ? 1 : 0;
+        }
+    }
+    const auto masked = static_cast<std::uint64_t>(std::count(result.mask.begin(), result.mask.end(), 1));
+    const auto traced_pixels = static_cast<std::uint64_t>(std::count(traced.begin(), traced.end(), 1));
+    result.pixels_skipped = view.size() - traced_pixels;
+    if (rays.empty() || !light.casts_shadow) {
+        return finish();
+    }
+
+    const LightPoints points{light, rays.frame()};
+    if (points.single_point()) {
+        // One ray tells all, and without error.
+        Progress progress{control, 1.0, 0.0};
+        progress.plan(2 * traced_pixels);
+        trace_pixels(
+            rays, view, points, options, traced, kFinalStream, progress, control, [](std::uint32_t) { return 1; },
+            [&](std::uint32_t pixel, int, const Sums& sums) {
+                if (result.mask[pixel] != 0) {
+                    result.area[pixel] = sums.seen > 0 ? 1.0F : 0.0F;
+                    result.irradiance[pixel] = sums.seen > 0 || sums.w <= 0.0 ? 1.0F : 0.0F;
+                }
+            });
+        result.rays = 2 * traced_pixels;
+        result.mean_rays_per_pixel = masked > 0 ? static_cast<double>(result.rays) / static_cast<double>(masked) : 0.0;
+        return finish();
+    }
+
+    const int most = std::max(1, static_cast<int>(std::sqrt(options.max_rays_per_pixel / 2.0)));
+    const int least = least_side(options.standard_error);
+    constexpr int kPilotRays = 2 * kPilotSide * kPilotSide;
+    std::vector<std::uint8_t> differing(view.size(), 0);
+    const double pilot_share =
+        static_cast<double>(kPilotRays) / (static_cast<double>(kPilotRays) + 4.0 * static_cast<double>(least) * least);
+    Progress pilot_progress{control, pilot_share, 0.0};
+    pilot_progress.plan(traced_pixels * kPilotRays);
+    trace_pixels(
+        rays, view, points, options, traced, kPilotStream, pilot_progress, control,
+        [](std::uint32_t) { return kPilotSide; },
+        [&](std::uint32_t pixel, int, const Sums& sums) {
+            differing[pixel] = static_cast<std::uint8_t>(sums.differing);
+        });
+
+    std::vector<std::uint16_t> sides = plan_sides(view, traced, differing, least, most, options.standard_error,
+                                                  points.one_dimensional(), result.reached);
+    if (options.keep_everything) {
+        const std::uint16_t highest = *std::max_element(sides.begin(), sides.end());
+        std::transform(sides.begin(), sides.end(), sides.begin(),
+                       [&](std::uint16_t side) { return side > 0 ? highest : side; });
+    }
+    std::uint64_t planned = 0;
+    for (const std::uint16_t side : sides) {
+        planned += 2U * static_cast<std::uint64_t>(side) * side;
+    }
+    Progress progress{control, 1.0 - pilot_share, pilot_share};
+    progress.plan(planned);
+    trace_pixels(
+        rays, view, points, options, traced, kFinalStream, progress, control,
+        [&](std::uint32_t pixel) { return static_cast<int>(sides[pixel]); },
+        [&](std::uint32_t pixel, int side, const Sums& sums) {
+            if (result.mask[pixel] == 0) {
+                return;
+            }
+            const double strata = static_cast<double>(side) * side;
+            const double area = sums.seen / (2.0 * strata);
+            // Half a differing pair at least: see the header.
+            const double area_error = std::sqrt(std::max(0.5, static_cast<double>(sums.differing))) / (2.0 * strata);
+            result.area[pixel] = static_cast<float>(area);
+            result.standard_error[pixel] = static_cast<float>(area_error);
+            if (!(sums.w > 0.0)) {
+                return;  // nothing to shadow: 1
+            }
+            const double ratio = sums.x / sums.w;
+            const double squares = std::max(0.0, sums.xx - 2.0 * ratio * sums.xw + ratio * ratio * sums.ww);
+            result.irradiance[pixel] = static_cast<float>(ratio);
+            // Sums over both samples of a pair: sum / (2 strata) is a mean, and so is w.
+            result.irradiance_standard_error[pixel] =
+                static_cast<float>(std::max(std::sqrt(squares) / sums.w, std::sqrt(0.5) / (2.0 * strata)));
+        });
+    result.rays = traced_pixels * kPilotRays + planned;
+    result.mean_rays_per_pixel = masked > 0 ? static_cast<double>(result.rays) / static_cast<double>(masked) : 0.0;
+    return finish();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "penumbra/control.h"
+#include "penumbra/scene.h"
+#include "reference/anchor_frame.h"
+#include "reference/embree_table.h"
+
+namespace penumbra {
+
+/// Rays of one occlusion query: 16 side by side, as Embree takes them.
+inline constexpr int kRayLanes = 16;
+using RayPacket = embree::RayPacket<kRayLanes>;
+
+/// The casting instances of a scene, ready for occlusion rays. Immutable, so any number of threads may trace.
+///
+/// A mesh that casts once is flattened into the anchor frame in float64; a mesh that casts several times is built once
+/// and instanced, unless its transform shears so strongly that float32 rays would lose digits in its local space.
+class RayScene {
+public:
+    /// Builds on thread_count() threads. @throws Cancelled, OutOfMemory, DeviceError (no Embree)
+    RayScene(const Scene& scene, Control& control);
+
+    [[nodiscard]] const AnchorFrame& frame() const noexcept { return frame_; }
+    /// True if nothing casts: everything is lit.
+    [[nodiscard]] bool empty() const noexcept { return empty_; }
+    /// Largest coordinate of a triangle in anchor units, the measure of its float32 rounding.
+    [[nodiscard]] float coordinate_bound(std::int32_t instance, std::int32_t triangle) const noexcept;
+    /// Triangles and instances in the acceleration structure.
+    [[nodiscard]] std::size_t triangle_count() const noexcept { return triangle_count_; }
+    [[nodiscard]] std::size_t instanced_count() const noexcept { return instanced_count_; }
+
+    /// Any-hit query for the lanes with valid -1 (0: left alone): tfar becomes -infinity where a ray is blocked.
+    /// `valid` is aligned to 64 bytes.
+    void occluded(const int* valid, RayPacket& rays) const noexcept {
+        if (!empty_) {
+            table_->occluded16(valid, top_.get(), &rays);
+        }
+    }
+    /// The Embree scene itself, for benchmarks.
+    [[nodiscard]] embree::Scene* handle() const noexcept { return top_.get(); }
+
+private:
+    struct Release {
+        void operator()(embree::Scene* scene) const noexcept;
+    };
+    using ScenePtr = std::unique_ptr<embree::Scene, Release>;
+
+    /// How far the vertices of one instance reach from the anchor, per coordinate.
+    struct Reach {
+        float all = 0.0F;
+        std::vector<float> per_triangle;  ///< empty for meshes with several instances: `all` serves every triangle
+    };
+
+    [[nodiscard]] ScenePtr new_scene() const;
+    void commit(embree::Scene* scene, Control& control) const;
+
+    const embree::Table* table_ = nullptr;
+    embree::Device* device_ = nullptr;
+    AnchorFrame frame_;
+    std::vector<ScenePtr> shared_;  ///< one per instanced mesh; outlives top_
+    ScenePtr top_;
+    std::vector<Reach> reach_;
+    std::size_t triangle_count_ = 0;
+    std::size_t instanced_count_ = 0;
+    bool empty_ = true;
+};
+
+}  // namespace penumbra
