@@ -32,12 +32,17 @@ int chosen_thread_count() noexcept {
     return cores_of_this_process();
 }
 
+std::atomic<int> set_count{0};
+
 }  // namespace
 
 int thread_count() noexcept {
     static const int count = chosen_thread_count();
-    return count;
+    const int set = set_count.load(std::memory_order_relaxed);
+    return set > 0 ? set : count;
 }
+
+void set_thread_count(int count) noexcept { set_count.store(std::clamp(count, 0, 1024), std::memory_order_relaxed); }
 
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body,
                   Control& control) {
