@@ -15,11 +15,14 @@ namespace penumbra {
 struct ErrorSummary {
     std::uint64_t pixels = 0;           ///< in the mask
     std::uint64_t penumbra_pixels = 0;  ///< 1e-4 < reference < 1 - 1e-4
+    std::uint64_t non_finite = 0;  ///< values of V in the mask that were NaN or infinite; each counts as an error of 1
     double rmse = 0.0, mae = 0.0, bias = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
-    double penumbra_rmse = 0.0;         ///< the headline figure
-    double leak = 0.0;                  ///< mean V in the umbra
-    double over_darkening = 0.0;        ///< mean 1 - V where fully lit
-    double penumbra_width_ratio = 0.0;  ///< width of the technique's penumbrae over the reference's; 0 if there is none
+    double penumbra_rmse = 0.0;   ///< the headline figure
+    double leak = 0.0;            ///< mean V in the umbra
+    double over_darkening = 0.0;  ///< mean 1 - V where fully lit
+    /// Pixels of the mean image with 0.1 < V < 0.9 over those of the reference: in a band of parallel edges the ratio
+    /// of widths, robust to noise and to edges that cross. 0 for hard shadows, and if the reference has no such pixel.
+    double penumbra_width_ratio = 0.0;
     double reference_standard_error = 0.0;  ///< RMS of the reference's own over the mask
     bool within_reference_noise = false;    ///< rmse <= reference_standard_error
 
@@ -35,8 +38,12 @@ struct ErrorSummary {
     std::string sentence;  ///< what dominates, with numbers, for the report
 };
 
-/// @param visibility one image per seed (at least one), each of reference.size() entries
+/// @param visibility one image per seed (at least one), each of reference.size() entries. With a single image there is
+///        no variance to see: `noise` is 0 and what noise there is counts as aliasing
 /// @param standard_error of the reference, per pixel; may be empty (exact)
+/// @param mask 0 leaves the pixel out; an empty mask image-wide gives zeros and `dominant` "none"
+/// @param width pixels per row
+/// @throws Error if sizes disagree, or for a reference or standard error in the mask that is not finite
 [[nodiscard]] ErrorSummary measure_errors(std::span<const std::span<const float>> visibility,
                                           std::span<const float> reference, std::span<const float> standard_error,
                                           std::span<const std::uint8_t> mask, int width);
@@ -52,9 +59,9 @@ struct TimingOptions {
     int warm_up = 2;
     int min_runs = 5;
     int max_runs = 60;
-    double max_seconds = 4.0;          ///< per job, soft
-    double relative_interval = 0.05;   ///< stop when (high - low) / median is below this
-    std::uint32_t seed = 1;            ///< of the interleaving
+    double max_seconds = 4.0;         ///< per job, soft
+    double relative_interval = 0.05;  ///< stop when (high - low) / median is below this
+    std::uint32_t seed = 1;           ///< of the interleaving
 };
 
 /// Runs the jobs interleaved in random order until each one's median is tight or its cap is reached, so that drift
