@@ -1,7 +1,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <span>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +32,7 @@ public:
 
     /// Binds for drawing and sets the viewport to the whole of it. Checks completeness once after a change.
     void bind();
+    /// Clears obey the write masks and the scissor, as OpenGL has it.
     void clear_colour(int slot, const glm::vec4& value);
     void clear_colour(int slot, const glm::ivec4& value);
     void clear_colour(int slot, const glm::uvec4& value);
@@ -48,7 +49,7 @@ private:
 
     Framebuffer framebuffer_;
     std::string what_;
-    std::vector<std::string> attachments_;  ///< in words, for check_complete()
+    std::map<GLenum, std::string> attachments_;  ///< in words, for check_complete()
     std::vector<GLenum> draw_buffers_;
     int width_ = 0;
     int height_ = 0;

@@ -95,7 +95,7 @@ private:
         push_job(Job(std::forward<F>(job)));
     }
     void push_job(Job job);
-    void work_loop(const DeviceOptions& options, std::promise<void>& ready);
+    void work_loop(const DeviceOptions& options, std::promise<void> ready);
 
     DeviceInfo info_;
     Workarounds workarounds_;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gl/context.h"
 #include "gl/handles.h"
 
 namespace penumbra {
@@ -43,6 +44,16 @@ public:
         StepClock& clock_;
     };
     [[nodiscard]] Scope scope(std::string_view name) { return Scope(*this, name); }
+
+    /// begin(name), work(), end(), check_gl(name): a step as it should be.
+    template <class F>
+    void step(std::string_view name, F&& work) {
+        {
+            const Scope timed(*this, name);
+            work();
+        }
+        check_gl(name);
+    }
 
 private:
     struct Measured {
