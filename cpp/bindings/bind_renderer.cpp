@@ -1,0 +1,203 @@
+#include "penumbra/renderer.h"
+
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "convert.h"
+#include "waiting.h"
+
+namespace penumbra::bindings {
+
+using namespace pybind11::literals;
+
+namespace {
+
+/// The renderer and the size of its images, so that arrays get their shape.
+struct PyRenderer {
+    explicit PyRenderer(const std::string& device, bool debug) : renderer{{.device = device, .debug = debug}} {}
+    Renderer renderer;
+    py::ssize_t width = 512, height = 512;
+
+    template <class T>
+    py::array image(std::vector<T>&& values) const {
+        return array_from<T>(std::move(values), {height, width});
+    }
+    py::array image3(std::vector<glm::vec3>&& values) const {
+        return array_from<float>(std::move(values), {height, width, 3});
+    }
+};
+
+py::array view_array3(const std::shared_ptr<const View>& view, const std::vector<glm::vec3>& values) {
+    // The capsule keeps the view alive; the array is a window onto it.
+    auto* owner = new std::shared_ptr<const View>(view);
+    const py::capsule capsule(owner, [](void* p) { delete static_cast<std::shared_ptr<const View>*>(p); });
+    return py::array_t<float>({py::ssize_t{view->height}, py::ssize_t{view->width}, py::ssize_t{3}},
+                              reinterpret_cast<const float*>(values.data()), capsule);
+}
+
+py::array view_array(const std::shared_ptr<const View>& view, const std::vector<std::int32_t>& values) {
+    auto* owner = new std::shared_ptr<const View>(view);
+    const py::capsule capsule(owner, [](void* p) { delete static_cast<std::shared_ptr<const View>*>(p); });
+    return py::array_t<std::int32_t>({py::ssize_t{view->height}, py::ssize_t{view->width}}, values.data(), capsule);
+}
+
+struct PyView {
+    std::shared_ptr<const View> view;
+    double time_ms = 0.0;
+};
+
+void bind_view(py::module_& m) {
+    py::class_<PyView>(m, "View", "G-buffer at the pixel samples; row 0 is the bottom row, lengths in metres.")
+        .def_property_readonly("width", [](const PyView& v) { return v.view->width; })
+        .def_property_readonly("height", [](const PyView& v) { return v.view->height; })
+        .def_property_readonly("eye_ws",
+                               [](const PyView& v) {
+                                   const glm::dvec3& e = v.view->eye_ws;
+                                   return std::array<double, 3>{e.x, e.y, e.z};
+                               })
+        .def_property_readonly("position_cr", [](const PyView& v) { return view_array3(v.view, v.view->position_cr); })
+        .def_property_readonly("normal_ws", [](const PyView& v) { return view_array3(v.view, v.view->normal_ws); })
+        .def_property_readonly("shading_normal_ws",
+                               [](const PyView& v) { return view_array3(v.view, v.view->shading_normal_ws); })
+        .def_property_readonly("albedo", [](const PyView& v) { return view_array3(v.view, v.view->albedo); })
+        .def_property_readonly("instance", [](const PyView& v) { return view_array(v.view, v.view->instance); })
+        .def_property_readonly("triangle", [](const PyView& v) { return view_array(v.view, v.view->triangle); })
+        .def_readonly("time_ms", &PyView::time_ms);
+}
+
+py::dict environment(const PyRenderer& self) {
+    const Environment& e = self.renderer.environment();
+    return py::dict("gl_renderer"_a = e.gl_renderer, "gl_version"_a = e.gl_version, "gl_vendor"_a = e.gl_vendor,
+                    "device"_a = e.device, "software"_a = e.software, "threads"_a = e.threads, "embree"_a = e.embree);
+}
+
+void set_scene(PyRenderer& self, const Scene& scene) {
+    {
+        const py::gil_scoped_release release;
+        self.renderer.set_scene(scene);
+    }
+    self.width = scene.camera.width_px;
+    self.height = scene.camera.height_px;
+}
+
+PyView view(PyRenderer& self, const py::object& progress) {
+    auto seen = wait_for([&](Control& control) { return self.renderer.view(control); }, progress, "view");
+    return {std::move(seen), self.renderer.view_ms()};
+}
+
+py::array mask(PyRenderer& self, std::size_t light) {
+    return self.image(wait_for([&](Control& c) { return self.renderer.mask(light, c); }, py::none(), "mask"));
+}
+
+py::dict summary(PyRenderer& self, std::size_t light, bool keep_everything) {
+    const LightReport r = wait_for(
+        [&](Control& c) { return self.renderer.light_report(light, keep_everything, c); }, py::none(), "summary");
+    return py::dict("lit_pixels"_a = r.lit_pixels, "pixels"_a = r.pixels, "casters"_a = r.casters,
+                    "casters_left_out"_a = r.casters_outside, "caster_triangles"_a = r.caster_triangles,
+                    "has_extent"_a = r.has_extent, "trivial_rule"_a = r.trivial_rule,
+                    "trivial_reason"_a = r.trivial_reason);
+}
+
+py::dict visibility(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
+                    bool keep_everything, const py::object& progress) {
+    const Job job{technique, settings_from(settings)};
+    VisibilityResult r =
+        wait_for([&](Control& c) { return self.renderer.visibility(light, job, keep_everything, c); }, progress, technique);
+    const py::dict times("setup"_a = r.setup_ms, "update"_a = r.update_ms, "resolve"_a = r.resolve_ms);
+    return py::dict("visibility"_a = self.image(std::move(r.visibility)), "settings"_a = to_python(r.settings),
+                    "plan"_a = to_python(r.plan), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
+}
+
+py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pair<std::string, py::dict>>& jobs,
+                 bool keep_everything, double max_seconds, int min_runs, int max_runs, const py::object& progress) {
+    std::vector<Job> wanted;
+    for (const auto& [technique, settings] : jobs) {
+        wanted.push_back({technique, settings_from(settings)});
+    }
+    TimingOptions timing;
+    timing.max_seconds = max_seconds;
+    timing.min_runs = min_runs;
+    timing.max_runs = max_runs;
+    const auto results = wait_for(
+        [&](Control& c) { return self.renderer.measure(light, wanted, keep_everything, timing, c); }, progress, "measuring");
+    py::list all;
+    for (const Measurement& m : results) {
+        all.append(py::dict("setup"_a = to_python(m.setup), "dynamic"_a = to_python(m.dynamic_frame),
+                            "static"_a = to_python(m.static_frame), "view"_a = to_python(m.view),
+                            "plan"_a = to_python(m.plan), "memory_bytes"_a = m.memory_bytes));
+    }
+    return all;
+}
+
+py::dict reference(PyRenderer& self, std::size_t light, double standard_error, std::uint32_t seed,
+                   int max_rays_per_pixel, bool keep_everything, const py::object& progress) {
+    const ReferenceOptions options{.standard_error = standard_error, .seed = seed,
+                                   .max_rays_per_pixel = max_rays_per_pixel, .keep_everything = keep_everything};
+    Reference r =
+        wait_for([&](Control& c) { return self.renderer.reference(light, options, c); }, progress, "reference");
+    return py::dict("method"_a = r.method, "area"_a = self.image(std::move(r.area)),
+                    "irradiance"_a = self.image(std::move(r.irradiance)),
+                    "standard_error"_a = self.image(std::move(r.standard_error)),
+                    "irradiance_standard_error"_a = self.image(std::move(r.irradiance_standard_error)),
+                    "mask"_a = self.image(std::move(r.mask)), "rays"_a = r.rays,
+                    "mean_rays_per_pixel"_a = r.mean_rays_per_pixel, "time_ms"_a = r.time_ms, "reached"_a = r.reached,
+                    "pixels_skipped"_a = r.pixels_skipped);
+}
+
+py::array irradiance(PyRenderer& self, std::size_t light, const py::object& progress) {
+    return self.image3(
+        wait_for([&](Control& c) { return self.renderer.irradiance(light, c); }, progress, "irradiance"));
+}
+
+py::dict exact(const Scene& scene, std::size_t light, const Array<double>& positions, const Array<double>& normals) {
+    if (light >= scene.lights.size()) {
+        throw InvalidScene("there is no light " + std::to_string(light) + "; the scene has " +
+                           std::to_string(scene.lights.size()) + ", counted from 0");
+    }
+    const auto p = vectors_from<glm::dvec3, double, 3>(positions, "positions");
+    const auto n = vectors_from<glm::dvec3, double, 3>(normals, "normals");
+    Scene checked = scene;
+    validate(checked);
+    ExactResult r = wait_for([&](Control& c) { return exact_visibility(checked, checked.lights[light], p, n, c); },
+                             py::none(), "exact visibility");
+    const auto count = static_cast<py::ssize_t>(p.size());
+    return py::dict("area"_a = array_from<double>(std::move(r.area), {count}),
+                    "irradiance"_a = array_from<double>(std::move(r.irradiance), {count}));
+}
+
+}  // namespace
+
+void bind_renderer(py::module_& m) {
+    bind_view(m);
+    py::class_<PyRenderer>(m, "Renderer",
+                           "Renders one scene on one device, on a thread of its own. Long calls release the GIL, hear\n"
+                           "Ctrl-C, and tell progress(fraction, text) if it is given.")
+        .def(py::init<const std::string&, bool>(), "device"_a = "", "debug"_a = false,
+             py::call_guard<py::gil_scoped_release>(),
+             "device: \"\" (automatic), an index, or part of a renderer's name. Raises DeviceError.")
+        .def_property_readonly("environment", &environment)
+        .def("set_scene", &set_scene, "scene"_a, "Checks the scene and makes it current. Raises InvalidScene.")
+        .def("view", &view, "progress"_a = py::none())
+        .def("mask", &mask, "light"_a, "(h, w) uint8: 1 where this light's visibility is asked.")
+        .def("summary", &summary, "light"_a, "keep_everything"_a = false)
+        .def("supports", [](PyRenderer& self, std::size_t light,
+                            const std::string& technique) { return self.renderer.supports(light, technique); },
+             "light"_a, "technique"_a, py::call_guard<py::gil_scoped_release>(),
+             "Empty, or why the technique cannot serve the light.")
+        .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
+             "keep_everything"_a = false, "progress"_a = py::none(),
+             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, memory_bytes, time_ms}.")
+        .def("measure", &measure, "light"_a, "jobs"_a, "keep_everything"_a = false, "max_seconds"_a = 4.0,
+             "min_runs"_a = 5, "max_runs"_a = 60, "progress"_a = py::none(),
+             "Times of (technique, settings) jobs, measured interleaved; milliseconds.")
+        .def("reference", &reference, "light"_a, "standard_error"_a = 0.002, "seed"_a = 1,
+             "max_rays_per_pixel"_a = 65536, "keep_everything"_a = false, "progress"_a = py::none(),
+             "The truth by ray tracing to a standard error: area and irradiance (h, w) float32, and more.")
+        .def("irradiance", &irradiance, "light"_a, "progress"_a = py::none(),
+             "Analytic unshadowed irradiance (h, w, 3) float32, W/m^2.");
+    m.def("exact_visibility", &exact, "scene"_a, "light"_a, "positions"_a, "normals"_a,
+          "Exact visibility and irradiance ratio of a rectangle or polygon light at points (n, 3) float64, world.");
+}
+
+}  // namespace penumbra::bindings

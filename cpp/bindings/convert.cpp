@@ -1,0 +1,57 @@
+#include "convert.h"
+
+#include "penumbra/error.h"
+
+namespace penumbra::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+Settings settings_from(const py::dict& values) {
+    Settings settings;
+    for (const auto& [key, value] : values) {
+        const auto id = key.cast<std::string>();
+        if (py::isinstance<py::bool_>(value)) {  // before int: True is an int in Python
+            settings[id] = value.cast<bool>();
+        } else if (py::isinstance<py::int_>(value)) {
+            settings[id] = value.cast<int>();
+        } else if (py::isinstance<py::float_>(value)) {
+            settings[id] = value.cast<double>();
+        } else if (py::isinstance<py::str>(value)) {
+            settings[id] = value.cast<std::string>();
+        } else {
+            throw InvalidSettings("setting \"" + id + "\" has a value of type " +
+                                  py::str(py::type::of(value).attr("__name__")).cast<std::string>() +
+                                  "; give a bool, int, float or str");
+        }
+    }
+    return settings;
+}
+
+py::object to_python(const SettingValue& value) {
+    return std::visit([](const auto& v) { return py::object(py::cast(v)); }, value);
+}
+
+py::dict to_python(const Settings& settings) {
+    py::dict values;
+    for (const auto& [id, value] : settings) {
+        values[py::str(id)] = to_python(value);
+    }
+    return values;
+}
+
+py::list to_python(const Plan& plan) {
+    py::list steps;
+    for (const Step& step : plan.steps) {
+        steps.append(py::dict("step"_a = step.name, "state"_a = step.run ? "run" : "left_out", "rule"_a = step.rule,
+                              "reason"_a = step.reason, "tolerance"_a = step.tolerance, "time_ms"_a = step.time_ms));
+    }
+    return steps;
+}
+
+py::dict to_python(const TimeSummary& times) {
+    return py::dict("median"_a = times.median, "p10"_a = times.p10, "p90"_a = times.p90, "low"_a = times.low,
+                    "high"_a = times.high, "runs"_a = times.runs);
+}
+
+}  // namespace penumbra::bindings

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "penumbra/control.h"
+#include "penumbra/measure.h"
+#include "penumbra/plan.h"
+#include "penumbra/reference.h"
+#include "penumbra/scene.h"
+#include "penumbra/settings.h"
+#include "penumbra/technique.h"
+#include "penumbra/view.h"
+
+namespace penumbra {
+
+struct RendererOptions {
+    std::string device;  ///< "" first hardware device with OpenGL 4.5, else software; or index, or part of a name
+    bool debug = false;  ///< driver messages become errors
+};
+
+/// Where and with what it runs; stands in every report.
+struct Environment {
+    std::string gl_renderer, gl_version, gl_vendor, device;
+    bool software = false;
+    int threads = 0;
+    std::string embree;
+};
+
+/// What the scene holds for one light, in numbers.
+struct LightReport {
+    std::uint64_t lit_pixels = 0;   ///< pixels in the comparison's mask
+    std::uint64_t pixels = 0;       ///< of the image
+    std::uint32_t casters = 0;      ///< instances that may shade a visible receiver
+    std::uint32_t casters_outside = 0;
+    std::uint64_t caster_triangles = 0;
+    bool has_extent = false;
+    std::string trivial_rule, trivial_reason;  ///< why V is 1 everywhere, or empty
+};
+
+struct VisibilityResult {
+    std::vector<float> visibility;  ///< as View, row 0 at the bottom; 1 outside the mask
+    Settings settings;              ///< complete
+    Plan plan;
+    std::size_t memory_bytes = 0;   ///< kept by the technique between frames
+    double setup_ms = 0.0, update_ms = 0.0, resolve_ms = 0.0;
+};
+
+struct Job {
+    std::string technique;
+    Settings settings;
+};
+
+/// Times of one job: set-up once, a dynamic frame (casters or light moved), a static frame (maps kept), and the view
+/// that all techniques share (its own line, in no sum).
+struct Measurement {
+    TimeSummary setup, dynamic_frame, static_frame, view;
+    Plan plan;  ///< with the median time of each step
+    std::size_t memory_bytes = 0;
+};
+
+/// Renders one scene on one device. Owns a render thread with its own EGL context; calls block until done, may come
+/// from any thread and are queued. Two renderers may live in one process.
+class Renderer {
+public:
+    /// @throws DeviceError if there is no usable device; the sentence says what to install.
+    explicit Renderer(const RendererOptions& options = {});
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    [[nodiscard]] const Environment& environment() const noexcept;
+
+    /// Takes a copy (meshes are shared), checks it and makes it current. Only what changed is sent again.
+    /// @throws InvalidScene; the former scene then stays.
+    void set_scene(const Scene& scene);
+
+    /// The G-buffer of the scene's camera; made once per scene.
+    [[nodiscard]] std::shared_ptr<const View> view(Control& control);
+    [[nodiscard]] double view_ms() const noexcept;  ///< time of the view passes, without the copy to main memory
+
+    [[nodiscard]] std::vector<std::uint8_t> mask(std::size_t light, Control& control);
+    [[nodiscard]] LightReport light_report(std::size_t light, bool keep_everything, Control& control);
+    /// Empty, or why the technique cannot serve the light.
+    [[nodiscard]] std::string supports(std::size_t light, std::string_view technique) const;
+
+    [[nodiscard]] VisibilityResult visibility(std::size_t light, const Job& job, bool keep_everything, Control& control);
+    [[nodiscard]] std::vector<Measurement> measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
+                                                   const TimingOptions& timing, Control& control);
+    [[nodiscard]] Reference reference(std::size_t light, const ReferenceOptions& options, Control& control);
+    /// Analytic unshadowed irradiance with the shading normal, RGB W/m^2, 0 where nothing is seen.
+    [[nodiscard]] std::vector<glm::vec3> irradiance(std::size_t light, Control& control);
+
+private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,25 @@
+#include "passes/frame.h"
+
+namespace penumbra {
+
+void Frame::bind_view() const {
+    in_.view_pass.position().bind(0);
+    in_.view_pass.normal().bind(1);
+}
+
+void Frame::resolve_with(const Program& program) {
+    bind_view();
+    write_visibility_with(program);
+}
+
+void Frame::write_visibility_with(const Program& program) {
+    glDisable(GL_BLEND);
+    in_.fullscreen.draw(in_.visibility_target, program);
+}
+
+std::vector<float>& Frame::visibility_on_cpu() {
+    cpu_visibility_.resize(in_.view.size(), 1.0F);
+    return cpu_visibility_;
+}
+
+}  // namespace penumbra

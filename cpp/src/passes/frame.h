@@ -1,0 +1,84 @@
+#pragma once
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "gl/framebuffer.h"
+#include "gl/render_thread.h"
+#include "gl/timer.h"
+#include "passes/fullscreen.h"
+#include "passes/gpu_scene.h"
+#include "passes/light_summary.h"
+#include "passes/view_pass.h"
+#include "penumbra/control.h"
+#include "penumbra/plan.h"
+#include "penumbra/view.h"
+
+namespace penumbra {
+
+class RayScene;
+
+/// Everything a technique sees while it serves one light in one view, and where its V goes. On the render thread.
+class Frame {
+public:
+    struct Inputs {
+        Device& device;
+        const Scene& scene;
+        GpuScene& gpu_scene;
+        ViewPass& view_pass;
+        const View& view;
+        const LightSummary& summary;
+        FullscreenPass& fullscreen;
+        StepClock& clock;
+        Control& control;
+        std::function<const RayScene&()> ray_scene;  ///< built when it is first asked for
+        TextureImage& visibility;                    ///< R32F of the view's size
+        RenderTarget& visibility_target;
+    };
+    Frame(const Inputs& inputs, Plan& plan) : in_{inputs}, plan_{plan} {}
+
+    [[nodiscard]] Device& device() const noexcept { return in_.device; }
+    [[nodiscard]] const Scene& scene() const noexcept { return in_.scene; }
+    [[nodiscard]] GpuScene& gpu_scene() const noexcept { return in_.gpu_scene; }
+    [[nodiscard]] const ViewPass& view_pass() const noexcept { return in_.view_pass; }
+    [[nodiscard]] const View& view() const noexcept { return in_.view; }
+    [[nodiscard]] const LightSummary& summary() const noexcept { return in_.summary; }
+    [[nodiscard]] const Light& light() const noexcept { return *in_.summary.light; }
+    [[nodiscard]] const RayScene& ray_scene() const { return in_.ray_scene(); }
+    [[nodiscard]] Control& control() const noexcept { return in_.control; }
+    [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
+
+    /// Runs one step of the plan under the clock, or does nothing where the plan leaves it out.
+    template <class F>
+    void step(std::string_view name, F&& work) {
+        if (!plan_.runs(name)) {
+            return;
+        }
+        in_.control.check();
+        {
+            const StepClock::Scope scope = in_.clock.scope(name);
+            work();
+        }
+        check_gl(name);
+    }
+
+    /// Position and geometric normal of the view at texture units 0 and 1.
+    void bind_view() const;
+    /// bind_view() and write_visibility_with().
+    void resolve_with(const Program& program);
+    /// Runs a full-screen pass that writes V, with the textures that are bound.
+    void write_visibility_with(const Program& program);
+    [[nodiscard]] FullscreenPass& fullscreen() const noexcept { return in_.fullscreen; }
+
+    /// For techniques on the CPU: V in main memory instead of the texture.
+    [[nodiscard]] std::vector<float>& visibility_on_cpu();
+    [[nodiscard]] bool result_on_cpu() const noexcept { return !cpu_visibility_.empty(); }
+
+private:
+    Inputs in_;
+    Plan& plan_;
+    std::vector<float> cpu_visibility_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,209 @@
+#include "passes/gpu_scene.h"
+
+#include <map>
+
+#include "penumbra/error.h"
+
+namespace penumbra {
+
+namespace {
+
+struct DrawCommand {
+    std::uint32_t count, instance_count, first_index;
+    std::int32_t base_vertex;
+    std::uint32_t base_instance;
+};
+
+}  // namespace
+
+bool GpuScene::update(const Scene& scene) {
+    std::vector<std::shared_ptr<const Mesh>> meshes;
+    std::map<const Mesh*, std::uint32_t> index_of;
+    mesh_of_instance_.clear();
+    for (const Instance& instance : scene.instances) {
+        const auto [found, is_new] = index_of.emplace(instance.mesh.get(), static_cast<std::uint32_t>(meshes.size()));
+        if (is_new) {
+            meshes.push_back(instance.mesh);
+        }
+        mesh_of_instance_.push_back(found->second);
+    }
+    const bool geometry_changed = meshes != meshes_ || !vertex_array_;
+    if (geometry_changed) {
+        meshes_ = std::move(meshes);
+        send_geometry(scene);
+    }
+    send_instances(scene);
+    return geometry_changed;
+}
+
+void GpuScene::send_geometry(const Scene&) {
+    std::vector<glm::vec3> positions;
+    std::vector<std::uint32_t> indices;
+    std::vector<glm::vec3> normals;
+    std::vector<std::uint32_t> materials;
+    ranges_.clear();
+    std::size_t vertex_total = 0, triangle_total = 0;
+    for (const auto& mesh : meshes_) {
+        vertex_total += mesh->positions_local.size();
+        triangle_total += mesh->triangles.size();
+    }
+    if (vertex_total > 0x7fffffffULL || triangle_total * 3 > 0xffffffffULL) {
+        throw InvalidScene("the scene's meshes have " + std::to_string(triangle_total) + " triangles and " +
+                           std::to_string(vertex_total) +
+                           " vertices together, more than 32-bit indices can count; simplify or hide some");
+    }
+    positions.reserve(vertex_total);
+    indices.reserve(3 * triangle_total);
+    for (const auto& mesh : meshes_) {
+        MeshRange range;
+        range.first_vertex = static_cast<std::uint32_t>(positions.size());
+        range.first_index = static_cast<std::uint32_t>(indices.size());
+        range.index_count = static_cast<std::uint32_t>(3 * mesh->triangles.size());
+        range.bounds_local = bounds_of(*mesh);
+        range.centre_local = range.bounds_local.centre();
+        // Vertices far from their mesh's origin would lose digits in every matrix product: recentre them once, exactly.
+        for (const glm::vec3& p : mesh->positions_local) {
+            positions.emplace_back(glm::dvec3{p} - range.centre_local);
+        }
+        for (const glm::uvec3& t : mesh->triangles) {
+            indices.insert(indices.end(), {t.x, t.y, t.z});
+        }
+        if (!mesh->corner_normals_local.empty()) {
+            range.first_normal = static_cast<std::uint32_t>(3 * normals.size());
+            normals.insert(normals.end(), mesh->corner_normals_local.begin(), mesh->corner_normals_local.end());
+        }
+        if (!mesh->triangle_material.empty()) {
+            range.first_material = static_cast<std::uint32_t>(materials.size());
+            materials.insert(materials.end(), mesh->triangle_material.begin(), mesh->triangle_material.end());
+        }
+        ranges_.push_back(range);
+    }
+    positions_ = StorageBuffer::from(positions, "vertex positions");
+    indices_ = StorageBuffer::from(indices, "triangle indices");
+    normals_ = StorageBuffer::from(normals, "corner normals");
+    materials_ = StorageBuffer::from(materials, "triangle materials");
+}
+
+void GpuScene::send_instances(const Scene& scene) {
+    const std::size_t count = scene.instances.size();
+    world_from_recentred_.clear();
+    mirrored_.clear();
+    instance_bounds_ws_.clear();
+    first_albedo_.clear();
+    albedo_count_.clear();
+    std::vector<glm::vec4> albedos;
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Instance& instance = scene.instances[i];
+        const MeshRange& range = ranges_[mesh_of_instance_[i]];
+        glm::dmat4 matrix = instance.world_from_local;
+        matrix[3] = instance.world_from_local * glm::dvec4{range.centre_local, 1.0};
+        world_from_recentred_.push_back(matrix);
+        mirrored_.push_back(glm::determinant(glm::dmat3{matrix}) < 0.0 ? 1 : 0);
+        instance_bounds_ws_.push_back(transformed(range.bounds_local, instance.world_from_local));
+        first_albedo_.push_back(static_cast<std::uint32_t>(albedos.size()));
+        albedo_count_.push_back(static_cast<std::uint32_t>(instance.albedo.size()));
+        for (const glm::vec3& colour : instance.albedo) {
+            albedos.emplace_back(colour, 1.0F);
+        }
+        numbers.push_back(static_cast<std::uint32_t>(i));
+    }
+    albedos_ = StorageBuffer::from(albedos, "albedos");
+    instance_indices_ = StorageBuffer::from(numbers, "instance indices");
+
+    vertex_array_ = VertexArray::create();
+    const GLuint vao = vertex_array_.name();
+    glVertexArrayVertexBuffer(vao, 0, positions_.name(), 0, sizeof(glm::vec3));
+    glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(vao, 0, 0);
+    glEnableVertexArrayAttrib(vao, 0);
+    glVertexArrayVertexBuffer(vao, 1, instance_indices_.name(), 0, sizeof(std::uint32_t));
+    glVertexArrayAttribIFormat(vao, 1, 1, GL_UNSIGNED_INT, 0);
+    glVertexArrayAttribBinding(vao, 1, 1);
+    glVertexArrayBindingDivisor(vao, 1, 1);
+    glEnableVertexArrayAttrib(vao, 1);
+    glVertexArrayElementBuffer(vao, indices_.name());
+}
+
+std::vector<gpu::InstanceBlock> GpuScene::relative_to(const glm::dvec3& origin_ws) const {
+    std::vector<gpu::InstanceBlock> blocks(instance_count());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        glm::dmat4 m = world_from_recentred_[i];
+        m[3] -= glm::dvec4{origin_ws, 0.0};
+        for (int row = 0; row < 3; ++row) {
+            blocks[i].rows[row] = glm::vec4{m[0][row], m[1][row], m[2][row], m[3][row]};
+        }
+    }
+    return blocks;
+}
+
+std::vector<gpu::InstanceExact> GpuScene::exact_relative_to(const glm::dvec3& origin_ws) const {
+    std::vector<gpu::InstanceExact> blocks(instance_count());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        glm::dmat4 m = world_from_recentred_[i];
+        m[3] -= glm::dvec4{origin_ws, 0.0};
+        for (int row = 0; row < 3; ++row) {
+            blocks[i].rows[row] = glm::dvec4{m[0][row], m[1][row], m[2][row], m[3][row]};
+        }
+        const MeshRange& range = ranges_[mesh_of_instance_[i]];
+        blocks[i].first_index = range.first_index;
+        blocks[i].first_vertex = range.first_vertex;
+        blocks[i].first_normal = range.first_normal;
+        blocks[i].first_material = range.first_material;
+        blocks[i].first_albedo = first_albedo_[i];
+        blocks[i].albedo_count = albedo_count_[i];
+    }
+    return blocks;
+}
+
+void GpuScene::draw(std::span<const std::uint32_t> instances, Cull cull) {
+    std::vector<DrawCommand> straight, mirrored;
+    for (const std::uint32_t i : instances) {
+        const MeshRange& range = ranges_[mesh_of_instance_[i]];
+        if (range.index_count > 0) {
+            auto& list = cull != Cull::None && mirrored_[i] != 0 ? mirrored : straight;
+            list.push_back({range.index_count, 1, range.first_index, static_cast<std::int32_t>(range.first_vertex), i});
+        }
+    }
+    const std::size_t straight_count = straight.size();
+    straight.insert(straight.end(), mirrored.begin(), mirrored.end());
+    if (straight.empty()) {
+        return;
+    }
+    commands_.replace(std::span<const DrawCommand>{straight});
+    if (cull == Cull::None) {
+        glDisable(GL_CULL_FACE);
+    } else {
+        glEnable(GL_CULL_FACE);
+        glCullFace(cull == Cull::Front ? GL_FRONT : GL_BACK);
+    }
+    glBindVertexArray(vertex_array_.name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+    const auto issue = [](GLenum front, std::size_t first, std::size_t count) {
+        if (count > 0) {
+            glFrontFace(front);
+            glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                        reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
+                                        static_cast<GLsizei>(count), 0);
+        }
+    };
+    issue(GL_CCW, 0, straight_count);
+    issue(GL_CW, straight_count, straight.size() - straight_count);
+    glBindVertexArray(0);
+    glDisable(GL_CULL_FACE);
+    glFrontFace(GL_CCW);
+}
+
+void GpuScene::bind_surface_data() const {
+    positions_.bind_storage(1);
+    indices_.bind_storage(2);
+    normals_.bind_storage(3);
+    materials_.bind_storage(4);
+    albedos_.bind_storage(5);
+}
+
+std::size_t GpuScene::memory_bytes() const noexcept {
+    return positions_.bytes() + indices_.bytes() + normals_.bytes() + materials_.bytes() + albedos_.bytes();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gl/buffer.h"
+#include "passes/gpu_blocks.h"
+#include "penumbra/scene.h"
+#include "scene/bounds.h"
+
+namespace penumbra {
+
+enum class Cull { None, Front, Back };
+
+/// The scene's meshes on the device: one copy of each, however many instances. Lives on the render thread.
+class GpuScene {
+public:
+    /// Sends what is not there yet: geometry only if the meshes changed, else instances alone.
+    /// @return true if geometry was sent again
+    bool update(const Scene& scene);
+
+    /// Boxes of the instances, world, in their order.
+    [[nodiscard]] const std::vector<Bounds>& instance_bounds_ws() const noexcept {
+        return instance_bounds_ws_;
+    }
+    [[nodiscard]] std::size_t instance_count() const noexcept { return world_from_recentred_.size(); }
+
+    /// Transforms of all instances relative to `origin_ws`, composed in float64.
+    [[nodiscard]] std::vector<gpu::InstanceBlock> relative_to(const glm::dvec3& origin_ws) const;
+    [[nodiscard]] std::vector<gpu::InstanceExact> exact_relative_to(const glm::dvec3& origin_ws) const;
+
+    /// Draws instances with the program in use; attributes: 0 recentred local position, 1 instance index.
+    /// Mirrored instances are wound the other way round, so that culling means the same for all.
+    void draw(std::span<const std::uint32_t> instances, Cull cull);
+
+    /// Positions, indices, corner normals, materials, albedos at storage bindings 1 .. 5.
+    void bind_surface_data() const;
+    [[nodiscard]] std::size_t memory_bytes() const noexcept;
+
+private:
+    struct MeshRange {
+        std::uint32_t first_index = 0, index_count = 0, first_vertex = 0;
+        std::uint32_t first_normal = 0xffffffffU, first_material = 0xffffffffU;
+        glm::dvec3 centre_local{0.0};
+        Bounds bounds_local;
+    };
+    void send_geometry(const Scene& scene);
+    void send_instances(const Scene& scene);
+
+    std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
+    std::vector<MeshRange> ranges_;
+    std::vector<std::uint32_t> mesh_of_instance_;
+    std::vector<glm::dmat4> world_from_recentred_;
+    std::vector<std::uint8_t> mirrored_;
+    std::vector<std::uint32_t> first_albedo_, albedo_count_;
+    std::vector<Bounds> instance_bounds_ws_;
+
+    VertexArray vertex_array_;
+    StorageBuffer positions_, indices_, normals_, materials_, albedos_, instance_indices_, commands_;
+};
+
+}  // namespace penumbra

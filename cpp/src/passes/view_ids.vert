@@ -1,0 +1,15 @@
+// First half of the view: which triangle of which instance is seen.
+#include "lib/instance.glsl"
+
+layout(location = 0) in vec3 position_local;
+layout(location = 1) in uint instance_index;
+
+layout(std430, binding = 0) readonly buffer Instances { InstanceBlock instances[]; };
+uniform mat4 clip_from_rel;
+
+flat out uint seen_instance;
+
+void main() {
+    seen_instance = instance_index;
+    gl_Position = clip_from_rel * vec4(rel_from_local(instances[instance_index], position_local), 1.0);
+}

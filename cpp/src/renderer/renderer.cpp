@@ -1,0 +1,364 @@
+#include "penumbra/renderer.h"
+
+#include <chrono>
+#include <map>
+#include <optional>
+
+#include "base/parallel.h"
+#include "geometry/irradiance.h"
+#include "gl/render_thread.h"
+#include "passes/frame.h"
+#include "passes/light_summary.h"
+#include "reference/embree_library.h"
+#include "reference/ray_reference.h"
+#include "reference/ray_scene.h"
+
+namespace penumbra {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+/// Everything below lives on the render thread, except what is const after construction.
+class Renderer::Impl {
+public:
+    explicit Impl(const RendererOptions& options) : thread_{{.device = options.device, .debug = options.debug}} {
+        const DeviceInfo& info = thread_.info();
+        environment_.gl_renderer = info.name;
+        environment_.gl_version = info.gl_version;
+        environment_.gl_vendor = info.vendor;
+        environment_.device = describe(info);
+        environment_.software = info.software;
+        environment_.threads = thread_count();
+        environment_.embree = embree::version();
+        state_ = thread_.run([](Device& device) {
+            return std::make_unique<State>(device.workarounds.time_by_wall_clock);
+        });
+    }
+    ~Impl() {
+        try {
+            thread_.run([&](Device&) { state_.reset(); });
+        } catch (const Error&) {
+            // The context is lost and its objects with it: their names must not be freed on this thread.
+            static_cast<void>(state_.release());
+        }
+    }
+
+    RenderThread thread_;
+    Environment environment_;
+
+    struct State {
+        explicit State(bool wall_clock) : clock{wall_clock} {}
+        StepClock clock;
+        FullscreenPass fullscreen;
+        GpuScene gpu_scene;
+        ViewPass view_pass;
+        std::shared_ptr<const Scene> scene = std::make_shared<const Scene>();
+        std::shared_ptr<const View> view;
+        double view_ms = 0.0;
+        std::unique_ptr<RayScene> ray_scene;
+        std::map<std::pair<std::size_t, bool>, LightSummary> summaries;
+        TextureImage visibility;
+        RenderTarget visibility_target;
+    };
+    std::unique_ptr<State> state_;
+
+    void render_view(Device& device) {
+        State& s = *state_;
+        s.clock.begin("view");
+        s.view_pass.render(device, s.gpu_scene, *s.scene, s.fullscreen);
+        s.clock.end();
+        s.view_ms = s.clock.collect().back().ms;
+    }
+
+    const View& view(Device& device) {
+        State& s = *state_;
+        if (!s.view) {
+            render_view(device);
+            s.view = std::make_shared<const View>(s.view_pass.read());
+            const Camera& camera = s.scene->camera;
+            if (!s.visibility || s.visibility.width() != camera.width_px || s.visibility.height() != camera.height_px) {
+                s.visibility = TextureImage::make_2d(GL_R32F, camera.width_px, camera.height_px, "visibility");
+                s.visibility_target = RenderTarget{"visibility"};
+                s.visibility_target.attach_colour(0, s.visibility);
+            }
+        }
+        return *s.view;
+    }
+
+    const Light& light(std::size_t index) const {
+        const auto& lights = state_->scene->lights;
+        if (index >= lights.size()) {
+            throw InvalidScene("there is no light " + std::to_string(index) + "; the scene has " +
+                               std::to_string(lights.size()) + ", counted from 0");
+        }
+        return lights[index];
+    }
+
+    const LightSummary& summary(Device& device, std::size_t index, bool keep_everything) {
+        State& s = *state_;
+        const Light& chosen = light(index);
+        const auto key = std::pair{index, keep_everything};
+        auto found = s.summaries.find(key);
+        if (found == s.summaries.end()) {
+            found = s.summaries
+                        .emplace(key, summarise_light(*s.scene, view(device), chosen, s.gpu_scene.instance_bounds_ws(),
+                                                      keep_everything))
+                        .first;
+        }
+        return found->second;
+    }
+
+    const RayScene& ray_scene(Control& control) {
+        State& s = *state_;
+        if (!s.ray_scene) {
+            s.ray_scene = std::make_unique<RayScene>(*s.scene, control);
+        }
+        return *s.ray_scene;
+    }
+
+    /// One technique at work on one light.
+    struct Run {
+        std::unique_ptr<Technique> technique;
+        Settings settings;
+        Plan plan;
+        std::unique_ptr<Frame> frame;
+        double setup_ms = 0.0;
+    };
+
+    std::unique_ptr<Run> start(Device& device, std::size_t index, const Job& job, bool keep_everything,
+                               Control& control) {
+        State& s = *state_;
+        auto run = std::make_unique<Run>();
+        run->technique = make_technique(job.technique, job.settings);
+        const TechniqueInfo& info = run->technique->info();
+        run->settings = complete(info.id, info.settings, job.settings);
+        if (const Verdict verdict = run->technique->supports(light(index)); !verdict) {
+            throw InvalidSettings(info.id + " cannot serve light \"" + light(index).name + "\": " + verdict.reason);
+        }
+        const View& seen = view(device);
+        const LightSummary& summarised = summary(device, index, keep_everything);
+        run->plan = run->technique->plan(summarised);
+        run->frame = std::make_unique<Frame>(
+            Frame::Inputs{device, *s.scene, s.gpu_scene, s.view_pass, seen, summarised, s.fullscreen, s.clock, control,
+                          [this, &control]() -> const RayScene& { return ray_scene(control); }, s.visibility,
+                          s.visibility_target},
+            run->plan);
+        const auto started = Clock::now();
+        run->technique->prepare(*run->frame);
+        glFinish();
+        run->setup_ms = ms_since(started);
+        check_gl("set-up of " + info.id);
+        return run;
+    }
+
+    /// One frame. Steps' times are added to `steps`. @return milliseconds of the whole
+    double frame(Device& device, Run& run, bool dynamic, std::map<std::string, std::vector<double>>* steps) {
+        State& s = *state_;
+        glFinish();
+        const auto started = Clock::now();
+        if (dynamic) {
+            run.technique->update(*run.frame);
+        }
+        run.technique->resolve(*run.frame);
+        const auto times = s.clock.collect();
+        glFinish();
+        double total = ms_since(started);
+        if (!device.workarounds.time_by_wall_clock && !run.technique->info().on_cpu) {
+            total = 0.0;  // the GPU's own time: what the CPU waits for is no part of a frame in flight
+            for (const StepTime& step : times) {
+                total += step.ms;
+            }
+        }
+        if (steps != nullptr) {
+            std::map<std::string, double> sums;
+            for (const StepTime& step : times) {
+                sums[step.name] += step.ms;
+            }
+            for (const auto& [name, ms] : sums) {
+                (*steps)[name].push_back(ms);
+            }
+        }
+        return total;
+    }
+
+    std::vector<float> result(Run& run, const LightSummary& summarised) {
+        State& s = *state_;
+        std::vector<float> visibility;
+        const bool anything_ran =
+            std::any_of(run.plan.steps.begin(), run.plan.steps.end(), [](const Step& step) { return step.run; });
+        if (!anything_ran) {
+            visibility.assign(s.view->size(), 1.0F);
+        } else if (run.frame->result_on_cpu()) {
+            visibility = run.frame->visibility_on_cpu();
+        } else {
+            visibility = s.visibility.read<float>();
+        }
+        // Outside the mask V is not asked: one value for all techniques, so that images compare by eye as well.
+        for (std::size_t i = 0; i < visibility.size(); ++i) {
+            if (summarised.mask[i] == 0) {
+                visibility[i] = 1.0F;
+            }
+        }
+        return visibility;
+    }
+};
+
+Renderer::Renderer(const RendererOptions& options) : impl_{std::make_unique<Impl>(options)} {}
+Renderer::~Renderer() = default;
+
+const Environment& Renderer::environment() const noexcept { return impl_->environment_; }
+
+void Renderer::set_scene(const Scene& scene) {
+    auto checked = std::make_shared<Scene>(scene);
+    validate(*checked);
+    impl_->thread_.run([&](Device&) {
+        Impl::State& s = *impl_->state_;
+        s.summaries.clear();
+        s.view.reset();
+        s.ray_scene.reset();
+        s.scene = checked;
+        s.gpu_scene.update(*checked);
+    });
+}
+
+std::shared_ptr<const View> Renderer::view(Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        control.check();
+        static_cast<void>(impl_->view(device));
+        return impl_->state_->view;
+    });
+}
+
+double Renderer::view_ms() const noexcept { return impl_->state_->view_ms; }
+
+std::vector<std::uint8_t> Renderer::mask(std::size_t light, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        control.check();
+        return impl_->summary(device, light, false).mask;
+    });
+}
+
+LightReport Renderer::light_report(std::size_t light, bool keep_everything, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        control.check();
+        const LightSummary& summary = impl_->summary(device, light, keep_everything);
+        const LightSummary::Trivial trivial = summary.trivial();
+        return LightReport{.lit_pixels = summary.lit_pixels,
+                           .pixels = summary.mask.size(),
+                           .casters = static_cast<std::uint32_t>(summary.casters.size()),
+                           .casters_outside = summary.casters_outside,
+                           .caster_triangles = summary.caster_triangles,
+                           .has_extent = summary.has_extent,
+                           .trivial_rule = trivial.rule,
+                           .trivial_reason = trivial.reason};
+    });
+}
+
+std::string Renderer::supports(std::size_t light, std::string_view technique) const {
+    return impl_->thread_.run(
+        [&](Device&) { return make_technique(technique, {})->supports(impl_->light(light)).reason; });
+}
+
+VisibilityResult Renderer::visibility(std::size_t light, const Job& job, bool keep_everything, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        control.check();
+        const auto run = impl_->start(device, light, job, keep_everything, control);
+        VisibilityResult result;
+        const auto started = Clock::now();
+        run->technique->update(*run->frame);
+        glFinish();
+        const auto middle = Clock::now();
+        run->technique->resolve(*run->frame);
+        glFinish();
+        result.update_ms = std::chrono::duration<double, std::milli>(middle - started).count();
+        result.resolve_ms = ms_since(middle);
+        result.setup_ms = run->setup_ms;
+        for (const StepTime& step : impl_->state_->clock.collect()) {
+            run->plan.add_time(step.name, step.ms);
+        }
+        result.visibility = impl_->result(*run, impl_->summary(device, light, keep_everything));
+        result.settings = run->settings;
+        result.plan = run->plan;
+        result.memory_bytes = run->technique->memory_bytes();
+        return result;
+    });
+}
+
+std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
+                                           const TimingOptions& timing, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        static_cast<void>(impl_->view(device));
+        std::vector<std::unique_ptr<Impl::Run>> runs;
+        std::vector<std::map<std::string, std::vector<double>>> steps(jobs.size());
+        for (const Job& job : jobs) {
+            control.check();
+            runs.push_back(impl_->start(device, light, job, keep_everything, control));
+        }
+        std::vector<std::function<double()>> timed;
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            timed.emplace_back([&, i] { return impl_->frame(device, *runs[i], true, &steps[i]); });
+            // A static frame follows a dynamic one of the same technique, so its maps are there.
+            timed.emplace_back([&, i] { return impl_->frame(device, *runs[i], false, nullptr); });
+        }
+        timed.emplace_back([&] {
+            impl_->render_view(device);
+            return impl_->state_->view_ms;
+        });
+        for (const auto& run : runs) {  // every map exists before the first static frame is measured
+            impl_->frame(device, *run, true, nullptr);
+        }
+        const std::vector<TimeSummary> times = measure_interleaved(timed, timing, control);
+        std::vector<Measurement> results;
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            Measurement m;
+            m.setup = summarise_times({runs[i]->setup_ms});
+            m.dynamic_frame = times[2 * i];
+            m.static_frame = times[2 * i + 1];
+            m.view = times.back();
+            for (auto& [name, samples] : steps[i]) {
+                runs[i]->plan.add_time(name, summarise_times(std::move(samples)).median);
+            }
+            m.plan = runs[i]->plan;
+            m.memory_bytes = runs[i]->technique->memory_bytes();
+            results.push_back(std::move(m));
+        }
+        return results;
+    });
+}
+
+Reference Renderer::reference(std::size_t light, const ReferenceOptions& options, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        const View& view = impl_->view(device);
+        return trace_reference(impl_->ray_scene(control), *impl_->state_->scene, view, impl_->light(light), options,
+                               control);
+    });
+}
+
+std::vector<glm::vec3> Renderer::irradiance(std::size_t light, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        const View& view = impl_->view(device);
+        const Light& chosen = impl_->light(light);
+        std::vector<glm::vec3> result(view.size(), glm::vec3{0.0F});
+        parallel_for(
+            static_cast<std::int64_t>(view.size()), 1024,
+            [&](std::int64_t begin, std::int64_t end) {
+                for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+                    if (view.hit(i)) {
+                        result[i] = glm::vec3{unshadowed_irradiance(chosen, view.eye_ws + glm::dvec3{view.position_cr[i]},
+                                                                    glm::dvec3{view.shading_normal_ws[i]})};
+                    }
+                }
+            },
+            control);
+        return result;
+    });
+}
+
+}  // namespace penumbra

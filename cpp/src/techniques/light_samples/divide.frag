@@ -1,0 +1,9 @@
+// The weighted mean over the light's samples.
+layout(binding = 0) uniform sampler2D sums_texture;
+
+layout(location = 0) out float visibility;
+
+void main() {
+    vec2 sums = texelFetch(sums_texture, ivec2(gl_FragCoord.xy), 0).rg;
+    visibility = sums.y > 0.0 ? clamp(sums.x / sums.y, 0.0, 1.0) : 1.0;
+}

@@ -1,0 +1,185 @@
+#include "techniques/light_samples/light_samples.h"
+
+#include <algorithm>
+
+#include "passes/frame.h"
+#include "techniques/all_lights.h"
+
+namespace penumbra {
+
+namespace {
+
+std::vector<SettingInfo> light_samples_settings() {
+    std::vector<SettingInfo> settings = map_settings("slope", false);
+    settings.push_back({.id = "samples", .label = "Samples", .unit = "maps",
+                        .help = "Points on the light, each with a depth map of its own.", .default_value = 16,
+                        .minimum = 1, .maximum = 4096, .choices = {}, .sweep = {4, 16, 64, 256}});
+    settings.push_back({.id = "pattern", .label = "Pattern", .unit = "",
+                        .help = "Where the points lie: jittered in strata, centres of a grid, or the R2 sequence.",
+                        .default_value = std::string{"jittered"}, .minimum = 0, .maximum = 0,
+                        .choices = {"jittered", "grid", "r2"}, .sweep = {}});
+    settings.push_back({.id = "seed", .label = "Seed", .unit = "", .help = "Of the jitter; the same for all pixels.",
+                        .default_value = 1, .minimum = 0, .maximum = 2147483647, .choices = {}, .sweep = {}});
+    settings.push_back({.id = "memory_mib", .label = "Map memory", .unit = "MiB",
+                        .help = "Maps are kept between frames if all of them fit into this; else redrawn every frame.",
+                        .default_value = 512, .minimum = 0, .maximum = 65536, .choices = {}, .sweep = {}});
+    return settings;
+}
+
+}  // namespace
+
+const TechniqueInfo& LightSamples::description() {
+    static const TechniqueInfo info{
+        .id = "light_samples",
+        .title = "Averaged shadow maps",
+        .paper = "HeckbertHerf1997",
+        .summary = "N hard shadow maps from points of the light, averaged: right for every scene as N grows, at N times the cost.",
+        .randomised = true,
+        .on_cpu = false,
+        .lights = all_light_kinds(),
+        .settings = light_samples_settings(),
+    };
+    return info;
+}
+
+LightSamples::LightSamples(const Settings& settings)
+    : count_{get_int(settings, "samples")},
+      size_px_{get_int(settings, "map_size")},
+      pattern_{get_choice(settings, "pattern")},
+      seed_{static_cast<std::uint32_t>(get_int(settings, "seed"))},
+      memory_cap_bytes_{static_cast<std::size_t>(get_int(settings, "memory_mib")) << 20U},
+      facing_test_{get_bool(settings, "facing_test")},
+      bias_{map_bias_from(settings)} {}
+
+Verdict LightSamples::supports(const Light&) const { return {}; }
+
+std::vector<LightSamples::Sample> LightSamples::fit_samples(const LightSummary& summary) const {
+    std::vector<Sample> samples;
+    int layer = 0;
+    for (const LightSamplePoint& point : sample_points(*summary.light, count_, pattern_, seed_)) {
+        Sample sample;
+        sample.point = point;
+        sample.frustum = fit_map_frustum(summary, point.position_ws, point.direction_ws, {.size_px = size_px_});
+        sample.block =
+            make_map_block(sample.frustum, *summary.light, point.direction_ws, summary.eye_ws, size_px_);
+        sample.first_layer = layer;
+        layer += static_cast<int>(sample.frustum.faces.size());
+        samples.push_back(std::move(sample));
+    }
+    return samples;
+}
+
+Plan LightSamples::plan(const LightSummary& summary) const {
+    Plan plan;
+    const LightSummary::Trivial trivial = summary.trivial();
+    if (!trivial.reason.empty()) {
+        plan.leave_out("depth maps", trivial.rule, trivial.reason);
+        plan.leave_out("lookups", trivial.rule, trivial.reason);
+        plan.leave_out("mean", trivial.rule, trivial.reason);
+        return plan;
+    }
+    plan.run("depth maps");
+    if (!summary.has_extent && count_ > 1) {
+        plan.leave_out("further depth maps", "light-without-extent",
+                       "the light has no extent: all " + std::to_string(count_) + " samples are the same point");
+    }
+    if (summary.casters_outside > 0) {
+        plan.leave_out("casters out of reach", "caster-outside-hull",
+                       std::to_string(summary.casters_outside) +
+                           " casters lie outside the space between the light and the visible receivers");
+    }
+    plan.run("lookups");
+    plan.run("mean");
+    return plan;
+}
+
+void LightSamples::prepare(Frame& frame) {
+    if (!frame.plan().runs("lookups")) {
+        return;
+    }
+    ProgramLibrary& programs = frame.device().programs;
+    accumulate_ = &programs.get({"lib/fullscreen.vert", "techniques/light_samples/accumulate.frag"});
+    divide_ = &programs.get({"lib/fullscreen.vert", "techniques/light_samples/divide.frag"});
+    samples_ = fit_samples(frame.summary());
+    std::size_t layers = 0, most = 0;
+    for (const Sample& sample : samples_) {
+        layers += sample.frustum.faces.size();
+        most = std::max(most, sample.frustum.faces.size());
+    }
+    const std::size_t layer_bytes = sizeof(float) * static_cast<std::size_t>(size_px_) * static_cast<std::size_t>(size_px_);
+    keep_maps_ = layers * layer_bytes <= memory_cap_bytes_ &&
+                 layers <= static_cast<std::size_t>(frame.device().context.limits().max_array_layers);
+    maps_.allocate(size_px_, static_cast<int>(std::max<std::size_t>(1, keep_maps_ ? layers : most)), "light sample maps");
+    sums_ = TextureImage::make_2d(GL_RG32F, frame.view().width, frame.view().height, "light sample sums");
+    sums_target_ = RenderTarget{"light sample sums"};
+    sums_target_.attach_colour(0, sums_);
+}
+
+void LightSamples::render_maps(Frame& frame, std::size_t index, int first_layer) {
+    const Sample& sample = samples_[index];
+    setup_.bind_for_depth(frame, sample.frustum, sample.block);
+    for (std::size_t face = 0; face < sample.frustum.faces.size(); ++face) {
+        maps_.render(frame, sample.frustum, face, first_layer + static_cast<int>(face), bias_.cull());
+    }
+}
+
+void LightSamples::update(Frame& frame) {
+    if (accumulate_ == nullptr) {
+        return;
+    }
+    frame.step("depth maps", [&] {
+        samples_ = fit_samples(frame.summary());
+        if (keep_maps_) {
+            for (std::size_t i = 0; i < samples_.size(); ++i) {
+                frame.control().check();
+                render_maps(frame, i, samples_[i].first_layer);
+            }
+        }
+    });
+}
+
+void LightSamples::accumulate(Frame& frame, const Sample& sample, int first_layer) {
+    setup_.bind_for_lookup(sample.block);
+    const LightKind kind = frame.light().kind;
+    const bool sphere = (kind == LightKind::Point || kind == LightKind::Spot) && samples_.size() > 1;
+    accumulate_->set("first_layer", first_layer);
+    accumulate_->set("sphere", sphere);
+    accumulate_->set("sphere_normal_ws", glm::vec3{sample.point.normal_ws});
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE);
+    frame.fullscreen().draw(sums_target_, *accumulate_);
+    glDisable(GL_BLEND);
+}
+
+void LightSamples::resolve(Frame& frame) {
+    frame.step("lookups", [&] {
+        sums_target_.bind();
+        sums_target_.clear_colour(0, glm::vec4{0.0F});
+        frame.bind_view();
+        bias_.set_uniforms(*accumulate_);
+        accumulate_->set("facing_test", facing_test_);
+        for (std::size_t i = 0; i < samples_.size(); ++i) {
+            frame.control().check();
+            int first_layer = samples_[i].first_layer;
+            if (!keep_maps_) {  // too much memory for all maps: each is drawn just before it is looked up
+                first_layer = 0;
+                render_maps(frame, i, first_layer);
+                frame.bind_view();
+            }
+            maps_.texture().bind(2);
+            accumulate(frame, samples_[i], first_layer);
+        }
+    });
+    frame.step("mean", [&] {
+        sums_.bind(0);
+        glDisable(GL_BLEND);
+        frame.write_visibility_with(*divide_);
+    });
+}
+
+std::size_t LightSamples::memory_bytes() const noexcept {
+    return maps_.bytes() + (sums_ ? sums_.bytes() : 0);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "passes/depth_map.h"
+#include "passes/map_bias.h"
+#include "penumbra/technique.h"
+#include "techniques/light_samples/sample_points.h"
+
+namespace penumbra {
+
+/// N hard shadow maps from points of the light, averaged on the GPU [HeckbertHerf1997]. Tends to the truth as N and the
+/// maps' size grow, for every arrangement of casters; costs N hard frames. V takes N + 1 values, so penumbrae show
+/// steps of width W/N. Weights of sphere samples and failures: docs/techniques/light_samples.md.
+class LightSamples final : public Technique {
+public:
+    explicit LightSamples(const Settings& settings);
+    [[nodiscard]] static const TechniqueInfo& description();
+
+    [[nodiscard]] const TechniqueInfo& info() const noexcept override { return description(); }
+    [[nodiscard]] Verdict supports(const Light& light) const override;
+    [[nodiscard]] Plan plan(const LightSummary& summary) const override;
+    void prepare(Frame& frame) override;
+    void update(Frame& frame) override;
+    void resolve(Frame& frame) override;
+    [[nodiscard]] std::size_t memory_bytes() const noexcept override;
+
+private:
+    struct Sample {
+        LightSamplePoint point;
+        MapFrustum frustum;
+        gpu::MapBlock block{};
+        int first_layer = 0;
+    };
+    [[nodiscard]] std::vector<Sample> fit_samples(const LightSummary& summary) const;
+    void render_maps(Frame& frame, std::size_t sample, int first_layer);
+    void accumulate(Frame& frame, const Sample& sample, int first_layer);
+
+    int count_;
+    int size_px_;
+    std::string pattern_;
+    std::uint32_t seed_;
+    std::size_t memory_cap_bytes_;
+    bool facing_test_;
+    MapBias bias_;
+
+    bool keep_maps_ = false;  ///< all maps stay, so that a static frame is lookups alone
+    std::vector<Sample> samples_;
+    DepthMap maps_;
+    MapSetup setup_;
+    TextureImage sums_;
+    RenderTarget sums_target_;
+    const Program* accumulate_ = nullptr;
+    const Program* divide_ = nullptr;
+};
+
+}  // namespace penumbra

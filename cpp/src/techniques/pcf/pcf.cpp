@@ -1,0 +1,104 @@
+#include "techniques/pcf/pcf.h"
+
+#include "passes/frame.h"
+#include "techniques/all_lights.h"
+
+namespace penumbra {
+
+namespace {
+
+const std::vector<std::string> kFilters{"2x2", "bicubic16", "bicubic4", "box"};
+
+int filter_index(const Settings& settings) {
+    const std::string& filter = get_choice(settings, "filter");
+    for (std::size_t i = 0; i < kFilters.size(); ++i) {
+        if (kFilters[i] == filter) {
+            return static_cast<int>(i);
+        }
+    }
+    return 0;
+}
+
+/// Texels that the filter reaches beyond the receiver's, for the margin of the map.
+double reach_texels(const Settings& settings) {
+    const int filter = filter_index(settings);
+    return filter == 0 ? 2.0 : (filter == 3 ? 0.5 * get_int(settings, "kernel") + 2.0 : 4.0);
+}
+
+std::vector<SettingInfo> pcf_settings() {
+    std::vector<SettingInfo> settings = map_settings("slope", false);
+    settings.push_back({.id = "filter", .label = "Filter", .unit = "",
+                        .help = "Weights of the comparisons: 2x2 bilinear, bicubic by 16 or by 4 fetches, or a box.",
+                        .default_value = std::string{"box"}, .minimum = 0, .maximum = 0, .choices = kFilters,
+                        .sweep = {std::string{"2x2"}, std::string{"bicubic16"}}});
+    settings.push_back({.id = "kernel", .label = "Kernel", .unit = "texel",
+                        .help = "Width of the box filter; the width of every penumbra on the map.",
+                        .default_value = 7, .minimum = 1, .maximum = 63, .choices = {}, .sweep = {3, 5, 7, 15, 31}});
+    return settings;
+}
+
+}  // namespace
+
+const TechniqueInfo& Pcf::description() {
+    static const TechniqueInfo info{
+        .id = "pcf",
+        .title = "Percentage-closer filtering",
+        .paper = "Reeves1987",
+        .summary = "Averages the comparisons of many texels of one depth map: edges softened by a fixed width.",
+        .randomised = false,
+        .on_cpu = false,
+        .lights = all_light_kinds(),
+        .settings = pcf_settings(),
+    };
+    return info;
+}
+
+Pcf::Pcf(const Settings& settings)
+    : facing_test_{get_bool(settings, "facing_test")},
+      filter_{filter_index(settings)},
+      kernel_{get_int(settings, "kernel")},
+      map_{get_int(settings, "map_size"), map_bias_from(settings), reach_texels(settings)} {}
+
+Verdict Pcf::supports(const Light&) const { return {}; }
+
+Plan Pcf::plan(const LightSummary& summary) const {
+    Plan plan;
+    map_.plan(summary, "filtered lookup", plan);
+    return plan;
+}
+
+void Pcf::prepare(Frame& frame) {
+    if (!frame.plan().runs("filtered lookup")) {
+        return;
+    }
+    lookup_ = &frame.device().programs.get({"lib/fullscreen.vert", "techniques/pcf/pcf.frag"},
+                                           {{"FILTER", std::to_string(filter_)}});
+    map_.allocate(frame);
+    compare_sampler_ = Sampler::create();
+    const GLuint sampler = compare_sampler_.name();
+    glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(sampler, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glSamplerParameteri(sampler, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
+}
+
+void Pcf::update(Frame& frame) {
+    if (lookup_ != nullptr) {
+        map_.update(frame);
+    }
+}
+
+void Pcf::resolve(Frame& frame) {
+    frame.step("filtered lookup", [&] {
+        map_.bind(frame, *lookup_, facing_test_);
+        lookup_->set("kernel", kernel_);
+        map_.texture().bind(3);
+        glBindSampler(3, compare_sampler_.name());
+        frame.resolve_with(*lookup_);
+        glBindSampler(3, 0);
+    });
+}
+
+}  // namespace penumbra

@@ -1,0 +1,101 @@
+// Percentage-closer filtering [Reeves1987]: compare first, then average with the filter's weights.
+#include "lib/map_lookup.glsl"
+#include "lib/bias.glsl"
+
+layout(binding = 0) uniform sampler2D position_texture;
+layout(binding = 1) uniform sampler2D normal_texture;
+layout(binding = 2) uniform sampler2DArray depth_map;
+layout(binding = 3) uniform sampler2DArrayShadow depth_map_compare;
+uniform int facing_test;
+uniform int kernel;
+
+layout(location = 0) out float visibility;
+
+float lit(MapPoint at, ivec2 texel, float z_ls) {
+    texel = clamp(texel, ivec2(0), ivec2(map.counts.y - 1));
+    float stored = texelFetch(depth_map, ivec3(texel, at.face), 0).r;
+    return window_depth(at.face, z_ls + plane_offset(at, vec2(texel) + 0.5 - at.texel)) >= stored ? 1.0 : 0.0;
+}
+
+// Cubic B-spline weights of the four texels around the fraction f.
+vec4 bspline(float f) {
+    float g = 1.0 - f;
+    return vec4(g * g * g, 3.0 * f * f * f - 6.0 * f * f + 4.0, -3.0 * f * f * f + 3.0 * f * f + 3.0 * f + 1.0,
+                f * f * f) / 6.0;
+}
+
+float filtered(MapPoint at) {
+    vec2 s = at.texel - 0.5;
+    ivec2 base = ivec2(floor(s));
+    vec2 f = fract(s);
+#if FILTER == 0  // 2 x 2, bilinear weights
+    float z_ls = at.z_ls - depth_bias(at, 1.0);
+    float low = mix(lit(at, base, z_ls), lit(at, base + ivec2(1, 0), z_ls), f.x);
+    float high = mix(lit(at, base + ivec2(0, 1), z_ls), lit(at, base + ivec2(1, 1), z_ls), f.x);
+    return mix(low, high, f.y);
+#elif FILTER == 1  // bicubic, 16 comparisons
+    float z_ls = at.z_ls - depth_bias(at, 2.0);
+    vec4 wx = bspline(f.x), wy = bspline(f.y);
+    float sum = 0.0;
+    for (int j = 0; j < 4; ++j) {
+        for (int i = 0; i < 4; ++i) {
+            sum += wx[i] * wy[j] * lit(at, base + ivec2(i - 1, j - 1), z_ls);
+        }
+    }
+    return sum;
+#elif FILTER == 2  // bicubic by four bilinear comparisons of the hardware: the same sum, regrouped
+    float reference = window_depth(at.face, at.z_ls - depth_bias(at, 2.0));
+    vec4 wx = bspline(f.x), wy = bspline(f.y);
+    vec2 gx = vec2(wx.x + wx.y, wx.z + wx.w), gy = vec2(wy.x + wy.y, wy.z + wy.w);
+    vec2 hx = vec2(-1.0 + wx.y / gx.x, 1.0 + wx.w / gx.y), hy = vec2(-1.0 + wy.y / gy.x, 1.0 + wy.w / gy.y);
+    float size = float(map.counts.y);
+    float sum = 0.0;
+    for (int j = 0; j < 2; ++j) {
+        for (int i = 0; i < 2; ++i) {
+            vec2 uv = (vec2(base) + 0.5 + vec2(hx[i], hy[j])) / size;
+            sum += gx[i] * gy[j] * texture(depth_map_compare, vec4(uv, float(at.face), reference));
+        }
+    }
+    return sum;
+#else  // kernel x kernel box, its two outermost texels weighted so that the box slides smoothly
+    float z_ls = at.z_ls - depth_bias(at, 0.5 * float(kernel) + 0.5);
+    // The box [texel - kernel/2, texel + kernel/2] covers kernel + 1 texels, the first and last of them partly.
+    vec2 low = at.texel - 0.5 * float(kernel);
+    ivec2 first = ivec2(floor(low));
+    vec2 cut = low - vec2(first);
+    float sum = 0.0;
+    for (int j = 0; j <= kernel; ++j) {
+        float wy = j == 0 ? 1.0 - cut.y : (j == kernel ? cut.y : 1.0);
+        for (int i = 0; i <= kernel; ++i) {
+            float wx = i == 0 ? 1.0 - cut.x : (i == kernel ? cut.x : 1.0);
+            sum += wx * wy * lit(at, first + ivec2(i, j), z_ls);
+        }
+    }
+    return sum / float(kernel * kernel);
+#endif
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 position = texelFetch(position_texture, pixel, 0);
+    visibility = 1.0;
+    if (position.w == 0.0) {
+        return;
+    }
+    vec3 n_ws = texelFetch(normal_texture, pixel, 0).xyz;
+    if (facing_test != 0 && dot(n_ws, to_light(position.xyz)) <= 0.0) {
+        visibility = 0.0;
+        return;
+    }
+    MapPoint at = find_in_map(position.xyz, n_ws);
+    if (at.face < 0) {
+        return;
+    }
+    if (bias_mode == BIAS_NORMAL_OFFSET) {
+        MapPoint moved = find_in_map(offset_receiver(position.xyz, n_ws, at.texel_m), n_ws);
+        if (moved.face >= 0) {
+            at = moved;
+        }
+    }
+    visibility = clamp(filtered(at), 0.0, 1.0);
+}
