@@ -1,0 +1,251 @@
+"""What a comparison finds out, as plain data, and the JSON it is kept in (docs/measuring.md defines every figure)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+SCHEMA = 1
+
+Image = npt.NDArray[np.float32]
+"""(height, width) or (height, width, channels) float32; row 0 is the bottom row."""
+
+Mask = npt.NDArray[np.uint8]
+
+Value = bool | int | float | str
+Settings = dict[str, Value]
+Status = Literal["ok", "unsupported", "failed"]
+
+ERROR_FIELDS = ("rmse", "mae", "bias", "p95", "p99", "max", "penumbra_rmse")
+PART_FIELDS = ("noise", "leak", "over_darkening", "bias", "aliasing")
+
+
+@dataclass(slots=True)
+class Spread:
+    """Repeated times in milliseconds: the median, its 95 % interval, and the tenth and ninetieth percentile."""
+
+    median: float
+    p10: float
+    p90: float
+    low: float
+    high: float
+    runs: int
+
+
+@dataclass(slots=True)
+class Step:
+    step: str
+    state: Literal["run", "left_out"]
+    reason: str = ""
+    rule: str = ""
+    tolerance: float = 0.0
+    time_ms: float = 0.0
+
+
+@dataclass(slots=True)
+class Record:
+    """One technique with one set of settings at one light."""
+
+    technique: str
+    title: str
+    settings: Settings
+    status: Status = "ok"
+    reason: str = ""
+    seeds: int = 1
+    sweep: dict[str, Value] | None = None  # {"setting": id, "value": v} of a sweep step, None for what was asked for
+    area: dict[str, Any] | None = None  # core.measure_errors against the reference's `area`
+    irradiance: dict[str, Any] | None = None
+    flip: float | None = None
+    time_ms: dict[str, Spread] = field(default_factory=dict)  # setup, dynamic, static, view
+    memory_bytes: int = 0
+    plan: list[Step] = field(default_factory=list)
+    images: dict[str, str] = field(default_factory=dict)
+    on_pareto_front: bool = False
+    visibility: Image | None = None  # dropped once the images are written
+
+    @property
+    def is_sweep_step(self) -> bool:
+        return self.sweep is not None
+
+    @property
+    def headline(self) -> float:
+        """Penumbra RMSE against `area`, or the RMSE over the mask where the reference has no penumbra."""
+        return headline(self.area)
+
+    def label(self) -> str:
+        """The title, with the swept setting if this is a step of a sweep."""
+        return f"{self.title} ({self.sweep['setting']} {self.sweep['value']})" if self.sweep else self.title
+
+
+def headline(errors: dict[str, Any] | None) -> float:
+    if errors is None:
+        return math.nan
+    return float(errors["penumbra_rmse"] if errors.get("penumbra_pixels", 1) else errors["rmse"])
+
+
+@dataclass(slots=True)
+class ReferenceResult:
+    """The truth for one light, and what it cost."""
+
+    method: str
+    area: Image
+    irradiance: Image
+    standard_error: Image
+    irradiance_standard_error: Image
+    mask: Mask
+    rays: int
+    mean_rays_per_pixel: float
+    standard_error_asked: float
+    time_ms: float
+    reached: bool
+    pixels_skipped: int
+    from_cache: bool = False
+
+
+@dataclass(slots=True)
+class Budget:
+    """The cheapest record whose headline error stays within `error`, and those that its timing cannot be told from."""
+
+    error: float
+    technique: str | None
+    record: int | None  # index into the light's records
+    ties: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class LightResult:
+    name: str
+    shape: str
+    size_m: list[float]
+    summary: dict[str, Any] = field(default_factory=dict)
+    reference: ReferenceResult | None = None
+    reference_info: dict[str, Any] = field(default_factory=dict)
+    records: list[Record] = field(default_factory=list)
+    budgets: list[Budget] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
+    cheapest_within_target: str | None = None
+    cheapest_settings: Settings | None = None
+    angle_rad: float | None = None  # suns have an angle instead of a size
+    irradiance: Image | None = None  # (h, w, 3) unshadowed, W/m^2
+
+
+@dataclass(slots=True)
+class SceneResult:
+    path: str
+    camera: str
+    frame: int
+    size: tuple[int, int]
+    triangles: int
+    summary: dict[str, Any] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    lights: list[LightResult] = field(default_factory=list)
+    albedo: Image | None = None
+    hit: Mask | None = None  # 1 where the camera sees anything
+
+    @property
+    def name(self) -> str:
+        return Path(self.path).stem
+
+
+@dataclass(slots=True)
+class Failure:
+    """What was asked for and could not be delivered; the rest was."""
+
+    what: str
+    reason: str
+
+
+@dataclass(slots=True)
+class Comparison:
+    environment: dict[str, Any]
+    options: dict[str, Any] = field(default_factory=dict)
+    scenes: list[SceneResult] = field(default_factory=list)
+    failures: list[Failure] = field(default_factory=list)
+
+
+def to_json(comparison: Comparison) -> dict[str, Any]:
+    """The content of report.json: schema 1 of the design, plus fields of ours that a reader may ignore."""
+    document = {
+        "schema": SCHEMA,
+        "environment": comparison.environment,
+        "options": comparison.options,
+        "failures": [asdict(failure) for failure in comparison.failures],
+        "scenes": [_scene(scene) for scene in comparison.scenes],
+    }
+    return _plain(document)  # type: ignore[no-any-return]
+
+
+def _scene(scene: SceneResult) -> dict[str, Any]:
+    return {
+        "path": scene.path,
+        "camera": scene.camera,
+        "frame": scene.frame,
+        "size": list(scene.size),
+        "triangles": scene.triangles,
+        "summary": scene.summary,
+        "notes": scene.notes,
+        "lights": [_light(light) for light in scene.lights],
+    }
+
+
+def _light(light: LightResult) -> dict[str, Any]:
+    document: dict[str, Any] = {
+        "name": light.name,
+        "shape": light.shape,
+        "size_m": light.size_m,
+        "summary": light.summary,
+        "reference": light.reference_info,
+        "sentences": light.sentences,
+        "records": [_record(record) for record in light.records],
+        "budgets": [asdict(budget) for budget in light.budgets],
+        "cheapest_within_target": light.cheapest_within_target,
+        "cheapest_settings": light.cheapest_settings,
+    }
+    if light.angle_rad is not None:
+        document["angle_rad"] = light.angle_rad
+    return document
+
+
+def _record(record: Record) -> dict[str, Any]:
+    document: dict[str, Any] = {
+        "technique": record.technique,
+        "title": record.title,
+        "settings": record.settings,
+        "status": record.status,
+        "reason": record.reason,
+        "sweep": record.sweep,
+    }
+    if record.status != "ok":
+        return document
+    assert record.area is not None and record.irradiance is not None
+    return document | {
+        "seeds": record.seeds,
+        "error": {"area": record.area, "irradiance": record.irradiance, "flip": record.flip},
+        "time_ms": {name: asdict(spread) for name, spread in record.time_ms.items()},
+        "memory_bytes": record.memory_bytes,
+        "dominant_error": record.area["dominant"],
+        "sentence": record.area["sentence"],
+        "plan": [asdict(step) for step in record.plan],
+        "images": record.images,
+        "on_pareto_front": record.on_pareto_front,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """numpy scalars to Python's, and no NaN or infinity: JSON has no word for them."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
