@@ -71,7 +71,7 @@ void collect_uniforms(std::string_view text, std::set<std::string, std::less<>>&
     }
 }
 
-ShaderObject compile_stage(std::string_view file, const ExpandedSource& source, const ShaderSources& sources) {
+ShaderObject compile_stage(std::string_view file, const ExpandedSource& source) {
     ShaderObject shader = ShaderObject::create(stage_of(file));
     const char* text = source.text.c_str();
     glShaderSource(shader.name(), 1, &text, nullptr);
@@ -86,7 +86,7 @@ ShaderObject compile_stage(std::string_view file, const ExpandedSource& source, 
         glGetShaderInfoLog(shader.name(), length, &written, log.data());
         log.resize(static_cast<std::size_t>(written));
         throw DeviceError("shader " + std::string(file) + " does not compile" + on_device() + ":\n" +
-                          readable_log(log, source, sources));
+                          readable_log(log, source));
     }
     return shader;
 }
@@ -256,7 +256,7 @@ std::unique_ptr<Program> ProgramLibrary::compile(std::span<const std::string_vie
     std::vector<ShaderObject> shaders;
     for (std::string_view file : stage_files) {
         const ExpandedSource source = expand(*sources_, file, defines);
-        shaders.push_back(compile_stage(file, source, *sources_));
+        shaders.push_back(compile_stage(file, source));
         collect_uniforms(source.text, program->declared_);
     }
     const std::string what = join(stage_files);

@@ -59,7 +59,7 @@ RenderThread::~RenderThread() {
     thread_.join();
 }
 
-void RenderThread::push_job(Job job) {
+void RenderThread::push(std::unique_ptr<Job> job) {
     if (getpid() != process_id_) {
         throw DeviceError(
             "the process was forked after the renderer was made, and a driver does not survive that; make a new "
@@ -90,11 +90,11 @@ void RenderThread::work_loop(const DeviceOptions& options, std::promise<void> re
                 break;
             }
             {
-                Job job = std::move(jobs_.front());
+                const std::unique_ptr<Job> job = std::move(jobs_.front());
                 jobs_.pop_front();
                 Device* handed = closing_ ? nullptr : &device;
                 lock.unlock();
-                job(handed);
+                job->run(handed);
             }  // what the work captured dies here, with the context current and the queue open
             lock.lock();
         }

@@ -2,10 +2,10 @@
 
 #include <condition_variable>
 #include <deque>
-#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <type_traits>
@@ -41,15 +41,15 @@ public:
     RenderThread& operator=(const RenderThread&) = delete;
 
     /// @param work called as work(Device&) on the render thread; need not be copyable
+    ///        What it captured is gone, on the render thread, before the result can be seen.
     /// @return its result or its exception; OpenGL errors that it leaves behind become its exception. After the context
     ///         was lost all work fails with DeviceError at once.
     template <class F>
     auto submit(F&& work) -> std::future<std::invoke_result_t<std::decay_t<F>&, Device&>> {
-        using Result = std::invoke_result_t<std::decay_t<F>&, Device&>;
-        std::packaged_task<Result(Device*)> task(
-            [f = std::forward<F>(work)](Device* device) mutable -> Result { return guarded<Result>(f, device); });
-        auto future = task.get_future();
-        push([t = std::move(task)](Device* device) mutable { t(device); });
+        using Work = std::decay_t<F>;
+        auto job = std::make_unique<JobOf<Work>>(std::forward<F>(work));
+        auto future = job->promise.get_future();
+        push(std::move(job));
         return future;
     }
 
@@ -67,20 +67,54 @@ public:
     [[nodiscard]] const Workarounds& workarounds() const noexcept { return workarounds_; }
 
 private:
-    using Job = std::packaged_task<void(Device*)>;  ///< nullptr: the thread is closing
+    struct Job {
+        virtual ~Job() = default;
+        /// @param device nullptr: the thread is closing
+        virtual void run(Device* device) = 0;
+    };
 
-    template <class Result, class F>
-    static Result guarded(F& work, Device* device) {
+    // No std::packaged_task: it would keep the work, and what the work captured, as long as the caller's future.
+    template <class Work>
+    struct JobOf final : Job {
+        using Result = std::invoke_result_t<Work&, Device&>;
+        static_assert(!std::is_reference_v<Result>, "results leave the render thread by value");
+
+        template <class F>
+        explicit JobOf(F&& f) : work(std::forward<F>(f)) {}
+
+        void run(Device* device) override {
+            try {
+                if constexpr (std::is_void_v<Result>) {
+                    guarded(*work, device);
+                    work.reset();
+                    promise.set_value();
+                } else {
+                    Result result = guarded(*work, device);
+                    work.reset();
+                    promise.set_value(std::move(result));
+                }
+            } catch (...) {
+                work.reset();
+                promise.set_exception(std::current_exception());
+            }
+        }
+
+        std::optional<Work> work;
+        std::promise<Result> promise;
+    };
+
+    template <class Work>
+    static auto guarded(Work& work, Device* device) -> std::invoke_result_t<Work&, Device&> {
         if (device == nullptr) {
             throw Cancelled{};
         }
         device->context.throw_if_lost();
         try {
-            if constexpr (std::is_void_v<Result>) {
+            if constexpr (std::is_void_v<std::invoke_result_t<Work&, Device&>>) {
                 work(*device);
                 device->context.check("work on the render thread");
             } else {
-                Result result = work(*device);
+                auto result = work(*device);
                 device->context.check("work on the render thread");
                 return result;
             }
@@ -90,11 +124,7 @@ private:
         }
     }
 
-    template <class F>
-    void push(F&& job) {
-        push_job(Job(std::forward<F>(job)));
-    }
-    void push_job(Job job);
+    void push(std::unique_ptr<Job> job);
     void work_loop(const DeviceOptions& options, std::promise<void> ready);
 
     DeviceInfo info_;
@@ -103,7 +133,7 @@ private:
     int process_id_ = 0;
     std::mutex mutex_;
     std::condition_variable wake_;
-    std::deque<Job> jobs_;
+    std::deque<std::unique_ptr<Job>> jobs_;
     bool closing_ = false;
     std::thread thread_;
 };

@@ -1,7 +1,6 @@
 #include "gl/shader_source.h"
 
 #include <regex>
-#include <set>
 #include <sstream>
 
 #include "penumbra/error.h"
@@ -9,7 +8,7 @@
 namespace penumbra {
 namespace {
 
-// Number 0 is what the library itself writes above the entry file, so that a faulty define is told from a faulty file.
+// What the library itself writes above the entry file, so that a faulty define is told from a faulty file.
 constexpr const char* kPrologue = "(version and defines)";
 
 std::string_view trimmed(std::string_view text) {
@@ -46,8 +45,6 @@ public:
         }
         const std::size_t number = out_.files.size();
         out_.files.emplace_back(key);
-        line_marker(1, number);
-
         std::istringstream lines(found->second);
         std::string line;
         Conditions conditions;
@@ -55,16 +52,15 @@ public:
             const Directive directive = parse_directive(line);
             const bool ours = conditions.meet(directive);
             if (ours || conditions.for_cpp() || (directive.name == "pragma" && directive.rest == "once")) {
-                out_.text += '\n';
-            } else if (directive.name == "include") {
+                continue;
+            }
+            if (directive.name == "include") {
                 include(directive.rest, std::string(key) + ":" + std::to_string(line_number));
-                line_marker(line_number + 1, number);
             } else if (directive.name == "version") {
                 throw DeviceError(std::string(key) + ":" + std::to_string(line_number) +
                                   ": #version is written by the library; remove the line");
             } else {
-                out_.text += line;
-                out_.text += '\n';
+                append(line, {number, line_number});
             }
         }
     }
@@ -113,8 +109,10 @@ private:
         std::vector<Condition> open_;
     };
 
-    void line_marker(int line, std::size_t number) {
-        out_.text += "#line " + std::to_string(line) + " " + std::to_string(number) + "\n";
+    void append(const std::string& line, ExpandedSource::Place place) {
+        out_.text += line;
+        out_.text += '\n';
+        out_.places.push_back(place);
     }
 
     void include(std::string_view rest, const std::string& place) {
@@ -152,17 +150,21 @@ std::string line_of(std::string_view text, int number) {
 ExpandedSource expand(const ShaderSources& sources, std::string_view key, std::span<const Define> defines) {
     ExpandedSource out;
     out.files.emplace_back(kPrologue);
-    out.text = "#version 450 core\n";
+    const auto prologue = [&](const std::string& line) {
+        out.text += line + "\n";
+        out.places.push_back({0, static_cast<int>(out.places.size()) + 1});
+    };
+    prologue("#version 450 core");
     for (const Define& define : defines) {
-        out.text += "#define " + define.name + " " + define.value + "\n";
+        prologue("#define " + define.name + " " + define.value);
     }
     Expander(sources, out).add(key, {});
     return out;
 }
 
-std::string readable_log(std::string_view log, const ExpandedSource& source, const ShaderSources& sources) {
+std::string readable_log(std::string_view log, const ExpandedSource& source) {
     // Mesa "0:12(5): error: ...", NVIDIA "0(12) : error C1: ...", others "ERROR: 0:12: ...".
-    static const std::regex place(R"(^(?:(ERROR|WARNING): )?(\d+)[:(](\d+)\)?(?:\(\d+\))?\s*:\s*)");
+    static const std::regex place(R"(^(?:(ERROR|WARNING): )?\d+[:(](\d+)\)?(?:\(\d+\))?\s*:\s*)");
     std::string out;
     std::istringstream lines{std::string(log)};
     std::string line;
@@ -174,20 +176,20 @@ std::string readable_log(std::string_view log, const ExpandedSource& source, con
         }
         std::smatch match;
         const bool found = std::regex_search(line, match, place);
-        const std::size_t file = found ? std::stoul(match[2].str()) : source.files.size();
+        const std::size_t number = found ? std::stoul(match[2].str()) : 0;
         out += out.empty() ? "" : "\n";
-        if (file >= source.files.size()) {
+        if (number < 1 || number > source.places.size()) {
             out += line;
             continue;
         }
-        const int number = std::stoi(match[3].str());
-        out += source.files[file] + ":" + match[3].str() + ": ";
+        const ExpandedSource::Place at = source.places[number - 1];
+        const std::string& file = source.files[at.file];
+        out += file + ":" + std::to_string(at.line) + ": ";
         if (match[1].matched) {
             out += match[1].str() == "ERROR" ? "error: " : "warning: ";
         }
         out += match.suffix().str();
-        const auto text = sources.find(source.files[file]);
-        const std::string shown = line_of(text == sources.end() ? source.text : text->second, number);
+        const std::string shown = line_of(source.text, static_cast<int>(number));
         if (!shown.empty()) {
             out += "\n    " + shown;
         }

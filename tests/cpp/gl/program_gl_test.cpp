@@ -175,17 +175,5 @@ void main() {
     });
 }
 
-TEST_F(ProgramGl, EveryEmbeddedStageCompiles) {
-    gl().run([](Device&) {
-        for (const auto& [key, text] : embedded_shaders()) {
-            if (!key.ends_with(".vert") && !key.ends_with(".frag") && !key.ends_with(".comp")) {
-                continue;
-            }
-            // Only the expansion: defines are the technique's business, which its own tests compile with.
-            EXPECT_NO_THROW(static_cast<void>(expand(embedded_shaders(), key, {}))) << key;
-        }
-    });
-}
-
 }  // namespace
 }  // namespace penumbra
