@@ -99,9 +99,7 @@ class ReferenceCache:
 
     def store(self, entry: str, reference: ReferenceResult) -> bool:
         """Keeps a reference; False if the folder does not take it."""
-        facts = {
-            field.name: getattr(reference, field.name) for field in fields(reference) if field.name not in _ARRAYS
-        }
+        facts = {field.name: getattr(reference, field.name) for field in fields(reference) if field.name not in _ARRAYS}
         facts |= {"key": entry, "from_cache": False}
         buffer = io.BytesIO()
         np.savez(  # uncompressed: the zip's checksum guards it, and reading is then one copy

@@ -7,18 +7,19 @@ import dataclasses
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import cache as caching
-from . import images, verdict
+from . import images, native, verdict
 from .errors import UserError, sentence_of, unknown
 from .progress import Progress
 from .records import (
     Failure,
+    Image,
     LightResult,
-    Mask,
     Record,
     ReferenceResult,
     SceneResult,
@@ -27,6 +28,9 @@ from .records import (
     Step,
     Value,
 )
+
+if TYPE_CHECKING:
+    from .bridge import SceneExport
 
 SEEDS = 4  # of a randomised technique, to tell its noise from its bias
 SWEEP_SEEDS = 2  # the fewest that give a variance
@@ -84,7 +88,7 @@ def choose_techniques(infos: list[dict[str, Any]], ids: tuple[str, ...]) -> list
 
 
 def parse_setting(infos: list[dict[str, Any]], text: str) -> tuple[str, str, Value]:
-    """"pcf.kernel=5" as ("pcf", "kernel", 5). @raises UserError with the choices."""
+    """ "pcf.kernel=5" as ("pcf", "kernel", 5). @raises UserError with the choices."""
     left, equals, right = text.partition("=")
     technique, dot, key = left.strip().partition(".")
     if not equals or not dot:
@@ -105,7 +109,16 @@ def _parse_value(name: str, setting: dict[str, Any], text: str) -> Value:
             raise unknown(f"value of {name}", text, setting["choices"])
         return text
     if kind == "bool":
-        words = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
+        words = {
+            "true": True,
+            "yes": True,
+            "on": True,
+            "1": True,
+            "false": False,
+            "no": False,
+            "off": False,
+            "0": False,
+        }
         if text.lower() not in words:
             raise UserError(f'{name} is on or off, not "{text}"')
         return words[text.lower()]
@@ -171,23 +184,22 @@ class Comparer:
             for info in infos
         }
 
-    def compare(self, export: Any, path: str, frame: int) -> SceneResult:
+    def compare(self, export: SceneExport, path: str) -> SceneResult:
         """All chosen lights of one scene.
 
-        @param export what bridge.read_scene returned
         @raises core.InvalidScene if the scene does not pass the border, UserError for an unknown light
         """
         scene = export.scene
-        chosen = choose_lights(list(export.light_names), self._options.lights)
+        chosen = choose_lights(list(export.lights), self._options.lights)
         self._renderer.set_scene(scene)
         view = self._renderer.view()
         hit = (np.asarray(view.instance) >= 0).astype(np.uint8)
         result = SceneResult(
             path=path,
-            camera=str(export.camera_name),
-            frame=frame,
+            camera=export.camera,
+            frame=export.frame,
             size=(int(view.width), int(view.height)),
-            triangles=int(export.triangles),
+            triangles=export.triangles,
             summary={
                 "triangles": int(scene.triangle_count),
                 "instances": int(scene.instance_count),
@@ -240,10 +252,8 @@ class Comparer:
         options = self._options
         entry = ""
         if self._cache is not None:
-            build = dict(self._core.build_info())
             entry = caching.key(
-                core=self._core.__version__,
-                commit=str(build.get("commit", "")),
+                core=native.fingerprint(),
                 scene=digest,
                 light=index,
                 standard_error=options.reference_error,
@@ -394,7 +404,7 @@ def reference_info(reference: ReferenceResult) -> dict[str, Any]:
     }
 
 
-def _rms(values: np.ndarray, inside: Mask | np.ndarray) -> float:
+def _rms(values: Image, inside: npt.NDArray[np.bool_]) -> float:
     chosen = values[inside].astype(np.float64)
     return float(np.sqrt(np.mean(chosen * chosen))) if chosen.size else 0.0
 

@@ -6,6 +6,7 @@ import datetime
 import os
 import platform
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ def collect(core: Any, renderer: Any | None, arguments: list[str]) -> dict[str, 
     build = dict(core.build_info())
     document: dict[str, Any] = {
         "penumbra": core.__version__,
-        "commit": str(build.get("commit", "")),
+        "commit": str(build.get("commit", "")) or commit_of_checkout(),
         "build": build,
         "cpu": cpu_model(),
         "cores": usable_cores(),
@@ -32,8 +33,23 @@ def collect(core: Any, renderer: Any | None, arguments: list[str]) -> dict[str, 
     return document
 
 
+def commit_of_checkout() -> str:
+    """The commit of the checkout this package runs from, "+" if it was changed since; empty for an installed one."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / "addon" / "penumbra").is_dir() or not (root / ".git").exists():
+        return ""
+    try:
+        head = subprocess.run(
+            ["git", "-C", str(root), "describe", "--always", "--abbrev=12", "--dirty=+", "--exclude=*"],
+            capture_output=True, text=True, timeout=5, check=True,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return head.stdout.strip()
+
+
 def cpu_model() -> str:
-    """"AMD EPYC 7B13", or what the platform module knows."""
+    """ "AMD EPYC 7B13", or what the platform module knows."""
     try:
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines():
             if line.startswith("model name"):
@@ -60,7 +76,7 @@ def memory_bytes() -> int:
 
 
 def operating_system() -> str:
-    """"Debian GNU/Linux 12 (bookworm), Linux 6.1.0"."""
+    """ "Debian GNU/Linux 12 (bookworm), Linux 6.1.0"."""
     kernel = f"{platform.system()} {platform.release()}"
     try:
         return f"{platform.freedesktop_os_release()['PRETTY_NAME']}, {kernel}"

@@ -18,7 +18,7 @@ class UserError(Exception):
 
 
 def unknown(what: str, given: str, choices: Iterable[str]) -> UserError:
-    """"unknown technique "pfc"; did you mean pcf? There are: ..." """
+    """ "unknown technique "pfc"; did you mean pcf? There are: ..." """
     names = list(choices)
     close = difflib.get_close_matches(given, names, n=1, cutoff=0.6)
     hint = f"did you mean {close[0]}? " if close else ""

@@ -51,7 +51,9 @@ def layer(name: str, image: Image, components: str = "XYZ") -> dict[str, Image]:
 def srgb_from_linear(linear: Image) -> Image:
     """The sRGB transfer curve; input is cut to 0 .. 1."""
     x = np.clip(np.asarray(linear, np.float32), 0.0, 1.0)
-    return np.where(x <= 0.0031308, x * 12.92, 1.055 * np.power(np.maximum(x, 1e-8), 1 / 2.4) - 0.055).astype(np.float32)
+    return np.where(x <= 0.0031308, x * 12.92, 1.055 * np.power(np.maximum(x, 1e-8), 1 / 2.4) - 0.055).astype(
+        np.float32
+    )
 
 
 @functools.cache
@@ -64,7 +66,8 @@ def _srgb_table() -> Bytes:
 def srgb_bytes(linear: Image) -> Bytes:
     """Linear light 0 .. 1 as 8-bit sRGB."""
     index = (np.clip(linear, 0.0, 1.0) * 16383 + 0.5).astype(np.uint16)
-    return _srgb_table()[index]
+    shown: Bytes = _srgb_table()[index]
+    return shown
 
 
 def png(pixels: Bytes) -> bytes:
@@ -107,7 +110,8 @@ def colour_table(name: str) -> Bytes:
     """256 RGB colours of a matplotlib colour map."""
     import matplotlib
 
-    return np.rint(matplotlib.colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3] * 255).astype(np.uint8)
+    table: Bytes = np.rint(matplotlib.colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3] * 255).astype(np.uint8)
+    return table
 
 
 def false_colour(error: Image, mask: Mask, scale: float = ERROR_SCALE) -> Bytes:
@@ -132,14 +136,15 @@ def with_legend(picture: Bytes, title: str, scale: float = ERROR_SCALE) -> Bytes
     bar_left, bar_width, bar_top = 12, min(256, sheet.width - 24), height + 8
     ramp = colour_table("inferno")[np.linspace(0, 255, bar_width).astype(int)]
     sheet.paste(Pillow.fromarray(np.repeat(ramp[None], 10, axis=0)), (bar_left, bar_top))
-    for share in (0.0, 0.5, 1.0):
-        x = bar_left + share * (bar_width - 1)
-        text = f"{share * scale:g}" + (" or more" if share == 1.0 and sheet.width > bar_width + 80 else "")
-        anchor = "la" if share == 0.0 or share == 1.0 and "more" in text else ("ra" if share == 1.0 else "ma")
-        x = x - 8 if "more" in text else x
-        draw.text((x, bar_top + 13), text, fill=(212, 212, 216), font=font, anchor=anchor)
+    labels = [(0.0, "la", "0"), (0.5, "ma", f"{scale / 2:g}"), (1.0, "ra", f"{scale:g}")]
+    if sheet.width > bar_width + 80:
+        labels[2] = (1.0, "la", f" {scale:g} or more")
+    for share, anchor, label in labels:
+        below = 13 if anchor != "la" or share == 0.0 else -1  # the long label stands beside the bar
+        place = (bar_left + share * (bar_width - 1) + (4 if below < 0 else 0), bar_top + below)
+        draw.text(place, label, fill=(212, 212, 216), font=font, anchor=anchor)
     if sheet.width > bar_width + 200:
-        draw.text((sheet.width - 12, bar_top), title, fill=(212, 212, 216), font=font, anchor="ra")
+        draw.text((sheet.width - 12, bar_top + 13), title, fill=(212, 212, 216), font=font, anchor="ra")
     return np.asarray(sheet)[::-1]
 
 
@@ -168,7 +173,9 @@ def flip_mean(visibility: Image, reference: Image, mask: Mask) -> float:
         max(rows[0] - margin, 0) : rows[-1] + 1 + margin, max(columns[0] - margin, 0) : columns[-1] + 1 + margin
     ]
     shown = [
-        np.repeat(np.where(inside, display_grey(image), np.float32(0.5))[window][..., None], 3, axis=2).astype(np.float32)
+        np.repeat(np.where(inside, display_grey(image), np.float32(0.5))[window][..., None], 3, axis=2).astype(
+            np.float32
+        )
         for image in (reference, visibility)
     ]
     error, _, _ = flip_evaluator.evaluate(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import sys
+from pathlib import Path
 from typing import Any
 
 from .errors import UserError
@@ -24,3 +25,13 @@ def load() -> Any:
             "install it with: pip install penumbra"
         ) from error
     return penumbra_core
+
+
+@functools.cache
+def fingerprint() -> str:
+    """Tells one build of the core from another: version, and size and time of the compiled files."""
+    core = load()
+    folder = Path(core.__file__).parent
+    files = sorted(folder.glob("*.so")) if folder.name == "penumbra_core" else [Path(core.__file__)]
+    facts = [(file.name, file.stat().st_size, file.stat().st_mtime_ns) for file in files]
+    return f"{core.__version__} {facts}"

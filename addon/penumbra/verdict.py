@@ -96,8 +96,8 @@ def sentences(light: LightResult, target: float | None) -> list[str]:
     info = light.reference_info
     if info and not info.get("reached", True):
         said.append(
-            f"The reference hit its limit of rays before the standard error asked for ({info['standard_error_asked']:g}) "
-            "at some pixels."
+            "At some pixels the reference hit its limit of rays before the standard error asked for "
+            f"({info['standard_error_asked']:g})."
         )
     return said
 

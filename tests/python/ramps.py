@@ -6,7 +6,6 @@ No stand-in for the core: every array is computed here, and its errors too, with
 from __future__ import annotations
 
 import numpy as np
-
 from penumbra import verdict
 from penumbra.compare import reference_info
 from penumbra.records import Comparison, LightResult, Record, ReferenceResult, SceneResult, Spread, Step
@@ -61,7 +60,9 @@ def errors_of(visibility: np.ndarray, truth: np.ndarray, noise: np.ndarray, mask
 
 
 def spread(median: float, width: float = 0.04, runs: int = 12) -> Spread:
-    return Spread(median, median * (1 - 2 * width), median * (1 + 3 * width), median * (1 - width), median * (1 + width), runs)
+    return Spread(
+        median, median * (1 - 2 * width), median * (1 + 3 * width), median * (1 - width), median * (1 + width), runs
+    )
 
 
 def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int = 1) -> SceneResult:
@@ -94,9 +95,22 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
         irradiance_truth = (truth**1.15).astype(np.float32)
         mask = (~sky).astype(np.uint8)
         noise = np.where((truth > 0) & (truth < 1) & (mask > 0), np.float32(0.0018), np.float32(0)).astype(np.float32)
-        power = (9.0 / (0.4 + (x - 0.7 + 0.5 * index) ** 2 + (y - 0.4) ** 2))[..., None] * np.array([1.0, 0.93 - 0.1 * index, 0.84])
+        power = (9.0 / (0.4 + (x - 0.7 + 0.5 * index) ** 2 + (y - 0.4) ** 2))[..., None] * np.array(
+            [1.0, 0.93 - 0.1 * index, 0.84]
+        )
         reference = ReferenceResult(
-            "ray traced", truth, irradiance_truth, noise, noise, mask, 88_123_456, 441.2, 0.002, 5321.0, True, int(sky.sum())
+            "ray traced",
+            truth,
+            irradiance_truth,
+            noise,
+            noise,
+            mask,
+            88_123_456,
+            441.2,
+            0.002,
+            5321.0,
+            True,
+            int(sky.sum()),
         )
         light = LightResult(
             name=("Key", "Fill.001", "Rim")[index % 3],
@@ -109,23 +123,65 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
         )
         stairs = np.floor(distance * half_width * 60) / 60 / half_width
         candidates = [
-            ("shadow_map", "Hard shadow map", {"resolution": 1024, "bias": 0.01}, (stairs > 0).astype(np.float32), 6.1, None),
-            ("pcf", "Percentage closer filtering", {"kernel": 9, "resolution": 1024}, np.clip(0.5 + distance / 1.1, 0, 1), 9.4, None),
-            ("pcf", "Percentage closer filtering", {"kernel": 3, "resolution": 1024}, np.clip(0.5 + distance / 0.5, 0, 1), 7.0, ("kernel", 3)),
-            ("pcf", "Percentage closer filtering", {"kernel": 17, "resolution": 1024}, np.clip(0.5 + distance / 1.6, 0, 1), 17.5, ("kernel", 17)),
+            (
+                "shadow_map",
+                "Hard shadow map",
+                {"resolution": 1024, "bias": 0.01},
+                (stairs > 0).astype(np.float32),
+                6.1,
+                None,
+            ),
+            (
+                "pcf",
+                "Percentage closer filtering",
+                {"kernel": 9, "resolution": 1024},
+                np.clip(0.5 + distance / 1.1, 0, 1),
+                9.4,
+                None,
+            ),
+            (
+                "pcf",
+                "Percentage closer filtering",
+                {"kernel": 3, "resolution": 1024},
+                np.clip(0.5 + distance / 0.5, 0, 1),
+                7.0,
+                ("kernel", 3),
+            ),
+            (
+                "pcf",
+                "Percentage closer filtering",
+                {"kernel": 17, "resolution": 1024},
+                np.clip(0.5 + distance / 1.6, 0, 1),
+                17.5,
+                ("kernel", 17),
+            ),
             ("light_samples", "Light samples", {"samples": 16}, np.round(truth * 16) / 16, 88.0, None),
             ("light_samples", "Light samples", {"samples": 64}, np.round(truth * 64) / 64, 351.0, ("samples", 64)),
             ("ray_traced", "Ray traced", {"rays": 16, "seed": 1}, generator.binomial(16, truth) / 16, 31.0, None),
             ("ray_traced", "Ray traced", {"rays": 4, "seed": 1}, generator.binomial(4, truth) / 4, 9.2, ("rays", 4)),
-            ("ray_traced", "Ray traced", {"rays": 64, "seed": 1}, generator.binomial(64, truth) / 64, 118.0, ("rays", 64)),
+            (
+                "ray_traced",
+                "Ray traced",
+                {"rays": 64, "seed": 1},
+                generator.binomial(64, truth) / 64,
+                118.0,
+                ("rays", 64),
+            ),
         ]
         for technique, title, settings, values, cost, sweep in candidates:
             image = np.where(mask > 0, values, 1).astype(np.float32)
-            record = Record(technique, title, dict(settings), sweep={"setting": sweep[0], "value": sweep[1]} if sweep else None)
+            record = Record(
+                technique, title, dict(settings), sweep={"setting": sweep[0], "value": sweep[1]} if sweep else None
+            )
             record.area = errors_of(image, truth, noise, mask)
             record.irradiance = errors_of(image, irradiance_truth, noise, mask)
             record.flip = 0.4 * record.area["rmse"]
-            record.time_ms = {"setup": spread(14.0), "dynamic": spread(cost), "static": spread(cost * 0.7), "view": spread(4.2)}
+            record.time_ms = {
+                "setup": spread(14.0),
+                "dynamic": spread(cost),
+                "static": spread(cost * 0.7),
+                "view": spread(4.2),
+            }
             record.memory_bytes = 4 << 20
             record.plan = [
                 Step("depth map", "run", time_ms=cost * 0.3),
@@ -135,7 +191,11 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
             ]
             record.visibility = None if sweep else image
             light.records.append(record)
-        light.records.append(Record("linear_light_maps", "Linear light maps", {}, "unsupported", "it serves line lights, not a rectangle"))
+        light.records.append(
+            Record(
+                "linear_light_maps", "Linear light maps", {}, "unsupported", "it serves line lights, not a rectangle"
+            )
+        )
         verdict.judge(light, 0.05, staircase)
         scene.lights.append(light)
     return scene

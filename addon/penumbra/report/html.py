@@ -33,7 +33,7 @@ class ShownScene:
 def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> str:
     """The whole page as text."""
     numbers = palette.order(comparison)
-    scenes = []
+    scenes: list[dict[str, Any]] = []
     data = []
     for scene, pixels in zip(comparison.scenes, shown, strict=True):
         lights = []
@@ -42,7 +42,7 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
             lights.append({"key": key, "light": light, "rows": _rows(light, numbers), "cards": _cards(light)})
             data.append(_light_data(key, scene.size, light, embedded, numbers))
         scenes.append({"slug": pixels.slug, "scene": scene, "lights": lights})
-    return _template().render(
+    text: str = _template().render(
         comparison=comparison,
         environment=comparison.environment,
         options=comparison.options,
@@ -64,6 +64,7 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
         part_names=PART_NAMES,
         budget_name=verdict.error_name,
     )
+    return text
 
 
 def _cards(light: LightResult) -> list[dict[str, Any]]:
@@ -165,7 +166,9 @@ def _text(name: str) -> str:
 def _template() -> Any:
     import jinja2
 
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
     environment.filters.update(error=format_error, ms=verdict.milliseconds, bytes=format_bytes, percent=format_percent)
     return environment.from_string(_text("report.html.j2"))
 

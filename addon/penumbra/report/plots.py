@@ -31,7 +31,9 @@ def pareto(comparison: Comparison) -> Drawn:
     panels = panels[:MAX_PANELS]
     columns = min(max(len(panels), 1), 2)
     rows = max(1, -(-len(panels) // columns))
-    with matplotlib.rc_context({"font.size": 9, "svg.fonttype": "none", "svg.hashsalt": "penumbra", "font.family": "sans-serif"}):
+    with matplotlib.rc_context(
+        {"font.size": 9, "svg.fonttype": "none", "svg.hashsalt": "penumbra", "font.family": "sans-serif"}
+    ):
         figure = Figure(figsize=(6.2 * columns, 4.3 * rows), layout="constrained")
         FigureCanvasAgg(figure)
         numbers = palette.order(comparison)

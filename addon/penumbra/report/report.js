@@ -543,7 +543,12 @@
     const viewer = light.area && $(article, ".viewer") ? new Viewer(article, light) : null;
     tableOf(article, viewer);
     if ($(article, ".plot")) new Plot(article, light, viewer);
-    if (viewer) { waiting.set(article, () => viewer.start()); watcher.observe(article); }
+    if (viewer) {
+      waiting.set(article, () => viewer.start().catch(error => {
+        $(article, ".viewer").insertAdjacentHTML("afterend", `<p class="caution bad">This browser could not show the pictures (${escape(error.message)}); they lie beside this page as files.</p>`);
+      }));
+      watcher.observe(article);
+    }
   }
   addEventListener("beforeprint", () => { for (const article of [...waiting.keys()]) start(article); });
 })();
