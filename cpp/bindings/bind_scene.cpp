@@ -61,6 +61,15 @@ auto vector_property(glm::dvec3 Owner::*member, const char* name) {
                      }};
 }
 
+void set_kind(Light& light, const std::string& name) {
+    const auto kind = light_kind_from_string(name);
+    if (!kind) {
+        throw InvalidScene("light \"" + light.name + "\" has kind \"" + name +
+                           "\"; choose point, spot, sun, rectangle, ellipse, line or polygon");
+    }
+    light.kind = *kind;
+}
+
 void bind_light(py::module_& m) {
     const auto position = vector_property(&Light::position_ws, "position_ws");
     const auto direction = vector_property(&Light::direction_ws, "direction_ws");
@@ -72,7 +81,7 @@ void bind_light(py::module_& m) {
         .def_readwrite("name", &Light::name)
         .def_property(
             "kind", [](const Light& light) { return std::string{to_string(light.kind)}; },
-            [](Light& light, const std::string& kind) { light.kind = light_kind_from_string(kind); })
+            &set_kind)
         .def_property("position_ws", position.first, position.second)
         .def_property("direction_ws", direction.first, direction.second)
         .def_property("half_u_ws", half_u.first, half_u.second)

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "geometry/irradiance.h"
+#include "geometry/radiometry.h"
 #include "gl/render_thread.h"
 #include "passes/frame.h"
 #include "passes/light_summary.h"
@@ -28,7 +28,7 @@ double ms_since(Clock::time_point start) {
 /// Everything below lives on the render thread, except what is const after construction.
 class Renderer::Impl {
 public:
-    explicit Impl(const RendererOptions& options) : thread_{{.device = options.device, .debug = options.debug}} {
+    explicit Impl(const RendererOptions& options) : thread_{{.device = options.device, .debug = options.debug, .egl_library = {}}} {
         const DeviceInfo& info = thread_.info();
         environment_.gl_renderer = info.name;
         environment_.gl_version = info.gl_version;
