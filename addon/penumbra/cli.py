@@ -232,15 +232,15 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
         comparer = compare.Comparer(core, renderer, options, progress)
         refusals: list[UserError] = []
         wanted: list[Path | None] = [*paths] or [None]  # none: the file that Blender has open
-        for path in wanted:
+        for source in wanted:
             try:
-                export = _read(core, path, arguments)
+                export = _read(core, source, arguments)
                 progress.add_work(comparer.work(len(options.lights) or len(export.lights)))
                 with compare.core_errors(core):
-                    scene = comparer.compare(export, str(path or _open_file()))
+                    scene = comparer.compare(export, str(source or _open_file()))
             except UserError as error:
                 refusals.append(error)
-                comparison.failures.append(Failure(str(path), str(error)))
+                comparison.failures.append(Failure(str(source), str(error)))
                 continue
             writer.add_scene(scene)
             comparison.scenes.append(scene)

@@ -60,7 +60,8 @@ def srgb_from_linear(linear: Image) -> Image:
 def _srgb_table() -> Bytes:
     # 14 bits of linear light are enough for each of the 256 sRGB codes; a table is ten times as fast as the power.
     linear = np.arange(16384, dtype=np.float32) / 16383
-    return np.rint(srgb_from_linear(linear) * 255).astype(np.uint8)
+    table: Bytes = np.rint(srgb_from_linear(linear) * 255).astype(np.uint8)
+    return table
 
 
 def srgb_bytes(linear: Image) -> Bytes:

@@ -34,8 +34,11 @@
 
   async function pixelsOf(uri) {
     const image = new Image();
-    image.src = uri;
-    await image.decode();
+    await new Promise((done, fail) => {
+      image.onload = done;
+      image.onerror = () => fail(new Error("a picture in this page is damaged"));
+      image.src = uri;
+    });
     const canvas = document.createElement("canvas");
     canvas.width = image.naturalWidth;
     canvas.height = image.naturalHeight;
@@ -550,5 +553,7 @@
       watcher.observe(article);
     }
   }
+  const first = $(document, "article.light");
+  if (first) start(first);
   addEventListener("beforeprint", () => { for (const article of [...waiting.keys()]) start(article); });
 })();
