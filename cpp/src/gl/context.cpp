@@ -14,9 +14,17 @@ namespace {
 
 thread_local Context* current_context = nullptr;
 
-bool environment_asks_for_debug() {
+// Debug builds listen to the driver always; PENUMBRA_GL_DEBUG=0 silences it, =1 makes a release build listen.
+bool listens_by_default() {
     const char* value = std::getenv("PENUMBRA_GL_DEBUG");
-    return value != nullptr && *value != '\0' && std::string_view(value) != "0";
+    if (value != nullptr && *value != '\0') {
+        return std::string_view(value) != "0";
+    }
+#if defined(PENUMBRA_DEBUG)
+    return true;
+#else
+    return false;
+#endif
 }
 
 std::string wanted_device(const DeviceOptions& options) {
@@ -134,7 +142,7 @@ Context::Context(const DeviceOptions& options) : state_(std::make_unique<State>(
     const std::size_t chosen = choose_device(devices, wanted_device(options));
 
     State& state = *state_;
-    state.debug = options.debug || environment_asks_for_debug();
+    state.debug = options.debug || listens_by_default();
     state.info = std::move(devices[chosen]);
     try {
         state.raw = egl::create_context(candidates[chosen], state.debug);

@@ -23,8 +23,8 @@ struct DeviceOptions {
     /// Index of a device or part of its name, whatever the case. Empty: the environment variable PENUMBRA_DEVICE; where
     /// that is empty too, the first usable hardware device, else the first usable software one.
     std::string device;
-    /// Driver messages of high and medium severity become a DeviceError at the next check. Also switched on by the
-    /// environment variable PENUMBRA_GL_DEBUG=1. Slower.
+    /// Driver messages of high and medium severity become a DeviceError at the next check. Always so in debug builds,
+    /// unless the environment variable PENUMBRA_GL_DEBUG is 0; 1 switches it on in release builds too. Slower.
     bool debug = false;
     /// Opened at run time. Empty: the environment variable PENUMBRA_EGL_LIBRARY, else "libEGL.so.1".
     std::string egl_library;

@@ -99,6 +99,25 @@ TEST_F(ContextGl, TheContextOfAnotherLibraryOnTheCallersThreadStaysCurrent) {
     }).join();
 }
 
+TEST_F(ContextGl, MesasSurfacelessPlatformServesWhereNoDeviceCanBeListed) {
+    std::thread([&] {
+        const egl::Candidate surfaceless;  // without a device
+        egl::RawContext raw;
+        try {
+            raw = egl::create_context(surfaceless, false);
+        } catch (const DeviceError& error) {
+            GTEST_SKIP() << "not a Mesa driver: " << error.what();
+        }
+        egl::make_current(raw);
+        GLint major = 0;
+        glGetIntegerv(GL_MAJOR_VERSION, &major);
+        EXPECT_EQ(major, 4);
+        egl::release_current(raw);
+        egl::destroy(raw);
+        egl::release_thread();
+    }).join();
+}
+
 TEST_F(ContextGl, ErrorsNameTheStepAndAreForgottenAfterwards) {
     EXPECT_THAT(message_of<DeviceError>([](Device&) {
                     glEnable(GL_TEXTURE_2D_ARRAY);
