@@ -1,6 +1,8 @@
 #include "geometry/boundary_intervals.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 namespace penumbra {
@@ -12,6 +14,13 @@ __extension__ using Wide = __int128;
 
 constexpr double kGridPerUnit = 0x1p60;
 constexpr double kUnitPerGrid = 0x1p-60;
+
+constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+/// |coordinate| <= 2^61, so this fits 31 bits.
+std::int32_t coarse(std::int64_t coordinate) noexcept {
+    return static_cast<std::int32_t>(coordinate >> 31);
+}
 
 template <typename Point>
 Wide cross(const Point& a, const Point& b, const Point& p) noexcept {
@@ -38,8 +47,8 @@ int BoundaryIntervals::side(const Point& a, const Point& b, const Point& p) noex
     return (doubled_area > 0) - (doubled_area < 0);
 }
 
-/// Narrows `part` of the edge from -> to (parameter 0 .. 1) to what lies on the left of the line a -> b; nothing left
-/// is from >= to. If the whole edge lies on the line, `part` stays and the tie is told.
+// Narrows `part` of the edge from -> to (parameter 0 .. 1) to what lies on the left of the line a -> b; nothing left
+// is from >= to. If the whole edge lies on the line, `part` stays and the tie is told.
 BoundaryIntervals::Tie BoundaryIntervals::cut_left_of(const Point& a, const Point& b, const Point& from,
                                                       const Point& to, Interval& part) noexcept {
     const Wide at_from = cross(a, b, from);
@@ -67,12 +76,23 @@ BoundaryIntervals::Tie BoundaryIntervals::cut_left_of(const Point& a, const Poin
     return Tie::None;
 }
 
-BoundaryIntervals::Box BoundaryIntervals::box_of(const Point& a, const Point& b) noexcept {
-    return {{std::min(a.u, b.u), std::min(a.v, b.v)}, {std::max(a.u, b.u), std::max(a.v, b.v)}};
+// A blocker's box is (high u, high v, ~low u, ~low v), an edge's (low u, low v, ~high u, ~high v): they overlap if and
+// only if no component of the edge's is larger. Coordinates lose their low bits by a shift that rounds down, which
+// keeps "<=", so boxes that touch never count as apart.
+BoundaryIntervals::Box BoundaryIntervals::box_as_blocker(const Triangle& triangle) noexcept {
+    const auto& [a, b, c] = triangle.corner;
+    return Box{coarse(std::max({a.u, b.u, c.u})), coarse(std::max({a.v, b.v, c.v})), ~coarse(std::min({a.u, b.u, c.u})),
+               ~coarse(std::min({a.v, b.v, c.v}))};
 }
 
-bool BoundaryIntervals::apart(const Box& a, const Box& b) noexcept {
-    return (a.low.u > b.high.u) | (a.high.u < b.low.u) | (a.low.v > b.high.v) | (a.high.v < b.low.v);
+BoundaryIntervals::Box BoundaryIntervals::box_as_edge(const Point& a, const Point& b) noexcept {
+    return Box{coarse(std::min(a.u, b.u)), coarse(std::min(a.v, b.v)), ~coarse(std::max(a.u, b.u)),
+               ~coarse(std::max(a.v, b.v))};
+}
+
+bool BoundaryIntervals::apart(const Box& edge, const Box& blocker) noexcept {
+    const auto larger = std::bit_cast<std::array<std::uint64_t, 2>>(edge > blocker);
+    return (larger[0] | larger[1]) != 0;
 }
 
 bool BoundaryIntervals::set_polygon(std::span<const glm::dvec2> corners) {
@@ -172,12 +192,24 @@ void BoundaryIntervals::add_triangle(const glm::dvec2& a, const glm::dvec2& b, c
         all_covered_ = true;
         return;
     }
-    Box box = box_of(triangle.corner[0], triangle.corner[1]);
-    const Box third = box_of(triangle.corner[2], triangle.corner[2]);
-    box = {{std::min(box.low.u, third.low.u), std::min(box.low.v, third.low.v)},
-           {std::max(box.high.u, third.high.u), std::max(box.high.v, third.high.v)}};
     triangles_.push_back(triangle);
-    boxes_.push_back(box);
+    boxes_.push_back(box_as_blocker(triangle));
+}
+
+/// Takes `hidden` off the ends of `rest`, or notes it as covered where it lies in the middle.
+/// @return true if nothing is left
+bool BoundaryIntervals::cover(const Interval& hidden, Interval& rest) {
+    if (hidden.from >= hidden.to) {
+        return false;
+    }
+    if (hidden.from <= rest.from) {
+        rest.from = std::max(rest.from, hidden.to);
+    } else if (hidden.to >= rest.to) {
+        rest.to = std::min(rest.to, hidden.from);
+    } else {
+        covered_.push_back(hidden);
+    }
+    return rest.from >= rest.to;
 }
 
 void BoundaryIntervals::count_uncovered(const Point& from, const Point& to, bool reversed, const Interval& part,
@@ -189,11 +221,12 @@ void BoundaryIntervals::count_uncovered(const Point& from, const Point& to, bool
     const double moment = (start.x * along.y - start.y * along.x) * (reversed ? -1.0 : 1.0);
     double reached = part.from;
     for (const Interval& hidden : covered_) {
-        if (hidden.from > reached) {
-            doubled_area += (hidden.from - reached) * moment;
+        const double until = std::min(hidden.from, part.to);
+        if (until > reached) {
+            doubled_area += (until - reached) * moment;
             if (pieces != nullptr) {
                 const glm::dvec2 p = start + reached * along;
-                const glm::dvec2 q = start + hidden.from * along;
+                const glm::dvec2 q = start + until * along;
                 pieces->push_back(reversed ? BoundaryPiece{q, p} : BoundaryPiece{p, q});
             }
         }
@@ -203,6 +236,47 @@ void BoundaryIntervals::count_uncovered(const Point& from, const Point& to, bool
         }
     }
     covered_.clear();
+}
+
+void BoundaryIntervals::find_open_edges() {
+    const std::size_t edges = 3 * triangles_.size();
+    table_.assign(std::bit_ceil(2 * edges + 1), kNone);
+    settled_.assign(edges, 0);
+    const auto end = [this](std::uint32_t edge, std::uint32_t which) -> const Point& {
+        return triangles_[edge / 3].corner[(edge % 3 + which) % 3];
+    };
+    const auto equal = [](const Point& a, const Point& b) { return a.u == b.u && a.v == b.v; };
+    const auto mix = [](const Point& p) {
+        return static_cast<std::uint64_t>(p.u) * 0x9E3779B97F4A7C15U +
+               static_cast<std::uint64_t>(p.v) * 0xC2B2AE3D27D4EB4FU;
+    };
+    // Each entry stands for all edges between the same two points: the first one found. An edge in the opposite
+    // direction settles it and every later one; until then, later ones in its own direction are settled by it.
+    for (std::uint32_t edge = 0; edge < edges; ++edge) {
+        const Point& from = end(edge, 0);
+        const Point& to = end(edge, 1);
+        std::size_t slot = (mix(from) + mix(to)) * 0xD6E8FEB86659FD93U >> 32U & (table_.size() - 1);
+        while (table_[slot] != kNone) {
+            const std::uint32_t other = table_[slot];
+            const bool same = equal(end(other, 0), from) && equal(end(other, 1), to);
+            const bool opposite = equal(end(other, 0), to) && equal(end(other, 1), from);
+            if (same || opposite) {
+                settled_[edge] = 1;
+                settled_[other] |= static_cast<std::uint8_t>(opposite);
+                break;
+            }
+            slot = (slot + 1) & (table_.size() - 1);
+        }
+        if (table_[slot] == kNone) {
+            table_[slot] = edge;
+        }
+    }
+    open_edges_.clear();
+    for (std::uint32_t edge = 0; edge < edges; ++edge) {
+        if (settled_[edge] == 0) {
+            open_edges_.push_back({edge / 3, edge % 3});
+        }
+    }
 }
 
 double BoundaryIntervals::visible_fraction(std::vector<BoundaryPiece>* pieces) {
@@ -222,13 +296,14 @@ double BoundaryIntervals::visible_fraction(std::vector<BoundaryPiece>* pieces) {
     for (std::size_t i = 0; i < polygon_.size(); ++i) {
         const Point& from = polygon_[i];
         const Point& to = polygon_[i + 1 < polygon_.size() ? i + 1 : 0];
-        const Box box = box_of(from, to);
+        const Box box = box_as_edge(from, to);
+        Interval rest{0.0, 1.0};
         bool hidden = false;
         for (std::size_t j = 0; j < triangles_.size() && !hidden; ++j) {
             if (apart(box, boxes_[j])) {
                 continue;
             }
-            Interval part{0.0, 1.0};
+            Interval part = rest;
             for (int e = 0; e < 3 && part.from < part.to; ++e) {
                 const Point& a = triangles_[j].corner[e];
                 const Point& b = triangles_[j].corner[(e + 1) % 3];
@@ -236,59 +311,53 @@ double BoundaryIntervals::visible_fraction(std::vector<BoundaryPiece>* pieces) {
                     part.to = part.from;
                 }
             }
-            if (part.from < part.to) {
-                covered_.push_back(part);
-                hidden = part.from <= 0.0 && part.to >= 1.0;
-            }
+            hidden = cover(part, rest);
         }
         if (hidden) {
             covered_.clear();
         } else {
-            count_uncovered(from, to, false, {0.0, 1.0}, doubled_area, pieces);
+            count_uncovered(from, to, false, rest, doubled_area, pieces);
         }
     }
 
     // Edges of the triangles, as far as they run inside the polygon: hidden where the point just outside the
     // triangle lies in another one. What is visible lies on their right, so they count backwards.
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-        for (int edge = 0; edge < 3; ++edge) {
-            const Point& from = triangles_[i].corner[edge];
-            const Point& to = triangles_[i].corner[(edge + 1) % 3];
-            Interval inside{0.0, 1.0};
-            for (std::size_t k = 0; k < polygon_.size() && inside.from < inside.to; ++k) {
-                const Point& a = polygon_[k];
-                const Point& b = polygon_[k + 1 < polygon_.size() ? k + 1 : 0];
-                if (cut_left_of(a, b, from, to, inside) != Tie::None) {
-                    inside.to = inside.from;
-                }
+    find_open_edges();
+    for (const Edge& edge : open_edges_) {
+        const std::size_t i = edge.triangle;
+        const Point& from = triangles_[i].corner[edge.number];
+        const Point& to = triangles_[i].corner[(edge.number + 1) % 3];
+        Interval rest{0.0, 1.0};
+        for (std::size_t k = 0; k < polygon_.size() && rest.from < rest.to; ++k) {
+            const Point& a = polygon_[k];
+            const Point& b = polygon_[k + 1 < polygon_.size() ? k + 1 : 0];
+            if (cut_left_of(a, b, from, to, rest) != Tie::None) {
+                rest.to = rest.from;
             }
-            if (inside.from >= inside.to) {
+        }
+        if (rest.from >= rest.to) {
+            continue;
+        }
+        const Box box = box_as_edge(from, to);
+        bool hidden = false;
+        for (std::size_t j = 0; j < triangles_.size() && !hidden; ++j) {
+            if (apart(box, boxes_[j]) || j == i) {
                 continue;
             }
-            const Box box = box_of(from, to);
-            bool hidden = false;
-            for (std::size_t j = 0; j < triangles_.size() && !hidden; ++j) {
-                if (j == i || apart(box, boxes_[j])) {
-                    continue;
-                }
-                Interval part = inside;
-                for (int e = 0; e < 3 && part.from < part.to; ++e) {
-                    const Point& a = triangles_[j].corner[e];
-                    const Point& b = triangles_[j].corner[(e + 1) % 3];
-                    if (cut_left_of(a, b, from, to, part) == Tie::SameDirection && j > i) {
-                        part.to = part.from;
-                    }
-                }
-                if (part.from < part.to) {
-                    covered_.push_back(part);
-                    hidden = part.from <= inside.from && part.to >= inside.to;
+            Interval part = rest;
+            for (int e = 0; e < 3 && part.from < part.to; ++e) {
+                const Point& a = triangles_[j].corner[e];
+                const Point& b = triangles_[j].corner[(e + 1) % 3];
+                if (cut_left_of(a, b, from, to, part) == Tie::SameDirection && j > i) {
+                    part.to = part.from;
                 }
             }
-            if (hidden) {
-                covered_.clear();
-            } else {
-                count_uncovered(from, to, true, inside, doubled_area, pieces);
-            }
+            hidden = cover(part, rest);
+        }
+        if (hidden) {
+            covered_.clear();
+        } else {
+            count_uncovered(from, to, true, rest, doubled_area, pieces);
         }
     }
     return std::clamp(0.5 * doubled_area / polygon_area_, 0.0, 1.0);

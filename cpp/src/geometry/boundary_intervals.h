@@ -28,6 +28,10 @@ struct BoundaryPiece {
 ///   same direction only the triangle that came first keeps it;
 /// - a side of the polygon on a triangle's edge: covered if both run in the same direction, else not.
 ///
+/// Edges that two triangles share are settled first, by a hash of their ends: in opposite directions both are covered,
+/// in the same direction one is kept. What is left of a mesh are its silhouettes, so the cost grows like the number of
+/// triangles times the number of silhouette edges in front of the polygon.
+///
 /// Keeps its memory between uses; one object per thread.
 class BoundaryIntervals {
 public:
@@ -63,9 +67,11 @@ private:
         std::int64_t u;
         std::int64_t v;
     };
-    struct Box {
-        Point low;
-        Point high;
+    /// A bounding box on a coarser grid, as four numbers that are compared at once: see apart().
+    using Box = std::int32_t __attribute__((vector_size(16)));
+    struct Edge {
+        std::uint32_t triangle;
+        std::uint32_t number;  // from corner `number` to the next one
     };
     struct Interval {
         double from;
@@ -81,8 +87,12 @@ private:
     static glm::dvec2 from_grid(const Point& point) noexcept;
     static int side(const Point& a, const Point& b, const Point& p) noexcept;
     static Tie cut_left_of(const Point& a, const Point& b, const Point& from, const Point& to, Interval& part) noexcept;
-    static Box box_of(const Point& a, const Point& b) noexcept;
-    static bool apart(const Box& a, const Box& b) noexcept;
+    static Box box_as_blocker(const Triangle& triangle) noexcept;
+    static Box box_as_edge(const Point& a, const Point& b) noexcept;
+    static bool apart(const Box& edge, const Box& blocker) noexcept;
+    /// Fills open_edges_ with the edges that are not wholly settled by an equal edge of another triangle.
+    void find_open_edges();
+    bool cover(const Interval& hidden, Interval& rest);
     /// Adds the parts of `part` on from -> to that no interval of covered_ hides; covered_ is used up.
     void count_uncovered(const Point& from, const Point& to, bool reversed, const Interval& part, double& doubled_area,
                          std::vector<BoundaryPiece>* pieces);
@@ -90,6 +100,9 @@ private:
     std::vector<Point> polygon_;  // counter-clockwise, strictly convex
     std::vector<Triangle> triangles_;
     std::vector<Box> boxes_;  // of triangles_
+    std::vector<Edge> open_edges_;
+    std::vector<std::uint32_t> table_;  // hash table of edges: 3 triangle + number, or kNone
+    std::vector<std::uint8_t> settled_;
     std::vector<Interval> covered_;
     double polygon_area_ = 0.0;
     bool all_covered_ = false;
