@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "union_oracle.h"
+
 namespace penumbra {
 namespace {
 
@@ -266,6 +268,75 @@ TEST(BoundaryIntervals, CuttingTrianglesAtRoundedPointsDoesNotMatter) {
         worst = std::max(worst, std::abs(visible(kSquare, whole) - visible(kSquare, cut)));
     }
     EXPECT_LE(worst, 1e-13);
+}
+
+/// The fuzz that finds failures of polygon libraries: large integers, slivers on points rounded along edges.
+TEST(BoundaryIntervals, AgreesWithTheSlabOracleOnSlivers) {
+    constexpr double kUnit = 0x1p-26;
+    std::mt19937 random{101};
+    std::uniform_int_distribution<int> in{-50000000, 50000000};
+    std::uniform_int_distribution<int> jitter{-2, 2};
+    std::uniform_real_distribution<double> share{0.0, 1.0};
+    double worst = 0.0;
+    for (int round = 0; round < 4000; ++round) {
+        std::vector<Triangle> triangles;
+        const int count = 1 + round % 3;
+        for (int i = 0; i < count; ++i) {
+            glm::dvec2 p[3];
+            for (glm::dvec2& corner : p) {
+                corner = {in(random), in(random)};
+            }
+            triangles.push_back({p[0] * kUnit, p[1] * kUnit, p[2] * kUnit});
+            for (int k = 0; k < round % 3; ++k) {
+                const glm::dvec2& a = p[k];
+                const glm::dvec2& b = p[(k + 1) % 3];
+                const auto on_edge = [&] {
+                    return glm::round(a + share(random) * (b - a)) + glm::dvec2{jitter(random), jitter(random)};
+                };
+                triangles.push_back({on_edge() * kUnit, on_edge() * kUnit, (k % 2 == 0 ? a : on_edge()) * kUnit});
+            }
+        }
+        worst = std::max(worst, std::abs(1.0 - visible(kSquare, triangles) - test::covered_area(triangles, 1.0) / 4.0));
+    }
+    EXPECT_LE(worst, 2e-15);
+}
+
+TEST(BoundaryIntervals, AgreesWithTheSlabOracleOnSharedAndCollinearEdges) {
+    std::mt19937 random{103};
+    std::uniform_int_distribution<int> in{-4, 4};
+    double worst = 0.0;
+    for (int round = 0; round < 3000; ++round) {
+        std::vector<Triangle> triangles;
+        for (int i = 0; i < 1 + round % 9; ++i) {
+            const auto p = [&] { return glm::dvec2{in(random)*0.375, in(random)*0.375}; };
+            triangles.push_back({p(), p(), p()});
+        }
+        worst = std::max(worst, std::abs(1.0 - visible(kSquare, triangles) - test::covered_area(triangles, 1.0) / 4.0));
+    }
+    EXPECT_LE(worst, 2e-15);
+}
+
+/// Real projections have corners on no grid: two fans that share their rim, turned against each other by nothing.
+TEST(BoundaryIntervals, AgreesWithTheSlabOracleOnMeshesCutAlongTheirEdges) {
+    std::mt19937 random{107};
+    std::uniform_real_distribution<double> in{-1.4, 1.4};
+    std::uniform_real_distribution<double> share{0.0, 1.0};
+    double worst = 0.0;
+    for (int round = 0; round < 1500; ++round) {
+        std::vector<Triangle> triangles;
+        const glm::dvec2 hub{in(random), in(random)};
+        glm::dvec2 last{in(random), in(random)};
+        for (int i = 0; i < 4; ++i) {
+            const glm::dvec2 next{in(random), in(random)};
+            const glm::dvec2 middle = last + share(random) * (next - last);
+            triangles.push_back({hub, last, middle});
+            triangles.push_back({hub, middle, next});
+            triangles.push_back({last, next, {in(random), in(random)}});  // T-junction at `middle`
+            last = next;
+        }
+        worst = std::max(worst, std::abs(1.0 - visible(kSquare, triangles) - test::covered_area(triangles, 1.0) / 4.0));
+    }
+    EXPECT_LE(worst, 1e-14);
 }
 
 TEST(BoundaryIntervals, NearlyCollinearEdgesStayExact) {
