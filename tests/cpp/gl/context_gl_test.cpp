@@ -118,6 +118,20 @@ TEST_F(ContextGl, MesasSurfacelessPlatformServesWhereNoDeviceCanBeListed) {
     }).join();
 }
 
+TEST_F(ContextGl, ADisplayThatAnotherLibraryTerminatesServesTheLivingContextAndTheNext) {
+    const EGLDisplay display = gl().run([](Device&) { return eglGetCurrentDisplay(); });
+    ASSERT_EQ(eglTerminate(display), EGL_TRUE);
+    const auto round_trip = [](Device&) {
+        TextureImage image = TextureImage::make_2d(GL_R32F, 2, 2, "square");
+        image.clear(glm::vec4(3.0F));
+        return image.read<float>();
+    };
+    EXPECT_EQ(gl().run(round_trip), std::vector<float>(4, 3.0F));
+    RenderThread next;
+    EXPECT_EQ(next.run(round_trip), std::vector<float>(4, 3.0F));
+    EXPECT_EQ(gl().run(round_trip), std::vector<float>(4, 3.0F));
+}
+
 TEST_F(ContextGl, ErrorsNameTheStepAndAreForgottenAfterwards) {
     EXPECT_THAT(message_of<DeviceError>([](Device&) {
                     glEnable(GL_TEXTURE_2D_ARRAY);
