@@ -162,13 +162,13 @@ void load(const DeviceOptions& options) {
                           "\" cannot be opened; install the graphics driver's EGL library (Debian, Ubuntu: apt install "
                           "libegl1 libgl1-mesa-dri)");
     }
-    if (library != nullptr) {
-        return;  // one table for the process; the count that dlopen raised keeps the library where it is
-    }
     const auto found = reinterpret_cast<GetProcAddress>(dlsym(opened, "eglGetProcAddress"));
     if (found == nullptr) {
         throw DeviceError("no OpenGL device: \"" + name +
                           "\" is not an EGL library; unset PENUMBRA_EGL_LIBRARY or let it name libEGL.so.1");
+    }
+    if (library != nullptr) {
+        return;  // one table for the process; the count that dlopen raised keeps the library where it is
     }
     library = opened;
     get_proc_address = found;
