@@ -247,11 +247,12 @@ void LightPoints::aim_lanes(const ReceiverLanes& receivers, const SampleLanes& s
                 const glm::vec3 a = fan_a_an_[f];
                 const glm::vec3 b = fan_b_an_[f];
                 for (int i = 0; i < kRayLanes; ++i) {
+                    // u sweeps around the first corner, v goes outwards: continuous across the seams of the fan.
                     const bool mine = samples.u[i] >= fan_begin_[f];  // a later triangle overwrites an earlier one
                     const float share = (samples.u[i] - fan_begin_[f]) * fan_per_share_[f];
-                    const float root = std::sqrt(std::min(1.0F, std::max(0.0F, share)));
-                    const float along_b = root * samples.v[i];
-                    const float along_a = root - along_b;
+                    const float outwards = std::sqrt(samples.v[i]);
+                    const float along_b = outwards * std::min(1.0F, std::max(0.0F, share));
+                    const float along_a = outwards - along_b;
                     dx[i] = mine ? along_a * a.x + along_b * b.x : dx[i];
                     dy[i] = mine ? along_a * a.y + along_b * b.y : dy[i];
                     dz[i] = mine ? along_a * a.z + along_b * b.z : dz[i];

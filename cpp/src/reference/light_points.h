@@ -17,9 +17,9 @@ struct alignas(64) SampleLanes {
 /// - Point, Spot: uniform in the cone of directions that the sphere subtends, the ray ends on the near surface; a
 ///   receiver inside the sphere looks in all directions, uniformly; radius 0 is the exact point
 /// - Sun: uniform in its cone of directions, the ray has no end
-/// - Rectangle, Line: uniform by area and length; Ellipse by the concentric map [Shirley1997]; Polygon as a fan of
-///   triangles with an area-preserving map each
-/// All maps are continuous per light or per fan triangle and keep areas, so strata of the unit square stay strata.
+/// - Rectangle, Line: uniform by area and length; Ellipse by the concentric map [Shirley1997]; Polygon as a fan
+///   about its first corner, swept by u and filled outwards by v
+/// All maps are continuous and keep areas, so that strata of the unit square stay compact strata of the light.
 class LightPoints {
 public:
     /// Expects a light that validate() has passed.

@@ -16,6 +16,7 @@ namespace {
 /// acne starts below 1.5 and is absent from 2 on. 16 leaves room and is still 2e-6 of the scene's size.
 constexpr float kOffsetRoundings = 16.0F;
 constexpr float kRounding = std::numeric_limits<float>::epsilon();
+constexpr double kRoundingRatio = std::numeric_limits<double>::epsilon() / std::numeric_limits<float>::epsilon();
 
 float largest(const glm::vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -29,9 +30,14 @@ Receiver make_receiver(const RayScene& scene, const View& view, std::size_t pixe
     const glm::dvec3 eye_an = (view.eye_ws - frame.origin_ws) * per_unit;
     const glm::dvec3 from_eye_an = glm::dvec3(view.position_cr[pixel]) * per_unit;
     const glm::vec3 position_an{eye_an + from_eye_an};
-    // A far camera rounds positions more coarsely than the scene's own coordinates do.
-    const float size = std::max({largest(position_an), largest(glm::vec3(from_eye_an)),
-                                 scene.coordinate_bound(view.instance[pixel], view.triangle[pixel])});
+    // A far camera rounds positions more coarsely than the scene's own coordinates do, and so does even float64 where a
+    // tiny scene lies far from the world's origin.
+    const double far_from_world =
+        std::max({std::abs(frame.origin_ws.x), std::abs(frame.origin_ws.y), std::abs(frame.origin_ws.z)}) * per_unit *
+        kRoundingRatio;
+    const float size =
+        std::max({largest(position_an), largest(glm::vec3(from_eye_an)), static_cast<float>(far_from_world),
+                  scene.coordinate_bound(view.instance[pixel], view.triangle[pixel])});
     return {position_an, view.normal_ws[pixel], kOffsetRoundings * kRounding * size, static_cast<std::uint32_t>(pixel)};
 }
 
