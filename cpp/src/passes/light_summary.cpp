@@ -128,14 +128,14 @@ bool may_cast(const Bounds& caster_ws, const LightSummary& summary, const Bounds
 }  // namespace
 
 LightSummary::Trivial LightSummary::trivial() const {
+    if (!light->casts_shadow) {  // the artist's wish, no saving: it holds whatever is kept
+        return {"light-without-shadow", "shadows are switched off for this light"};
+    }
     if (keep_everything) {
         return {};
     }
     if (lit_pixels == 0) {
         return {"light-without-pixels", "the light reaches no visible pixel"};
-    }
-    if (!light->casts_shadow) {
-        return {"light-without-shadow", "shadows are switched off for this light"};
     }
     if (casters.empty()) {
         return {"light-without-casters",

@@ -1,6 +1,7 @@
 #include "techniques/light_samples/light_samples.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -53,10 +54,48 @@ LightSamples::LightSamples(const Settings& settings)
 
 Verdict LightSamples::supports(const Light&) const { return {}; }
 
+namespace {
+
+/// The cap of a sphere light outside of which no receiver sees anything: receivers within the angle b of the axis see
+/// surface points up to b + acos(R / d) from it, d their distance.
+SphereCap visible_cap(const LightSummary& summary) {
+    const Light& light = *summary.light;
+    const glm::dvec3 eye_from_light = summary.eye_ws - light.position_ws;
+    SphereCap cap;
+    glm::dvec3 mean{0.0};
+    for (const ReceiverTile& tile : summary.tiles) {
+        const glm::dvec3 p = 0.5 * (glm::dvec3{tile.low_cr} + glm::dvec3{tile.high_cr}) + eye_from_light;
+        if (glm::length(p) > 0.0) {
+            mean += glm::normalize(p) * static_cast<double>(tile.pixel_count);
+        }
+    }
+    if (!(glm::length(mean) > 0.0)) {
+        return cap;
+    }
+    cap.axis_ws = glm::normalize(mean);
+    double widest = 0.0;
+    for (const glm::vec3& p_cr : summary.receiver_points_cr) {
+        const glm::dvec3 p = glm::dvec3{p_cr} + eye_from_light;
+        const double distance = glm::length(p);
+        if (distance <= light.radius_m) {
+            return {cap.axis_ws, -1.0};
+        }
+        const double angle = std::acos(std::clamp(glm::dot(p, cap.axis_ws) / distance, -1.0, 1.0));
+        widest = std::max(widest, angle + std::acos(light.radius_m / distance));
+    }
+    cap.least_cosine = std::cos(std::min(widest, 3.14159265358979323846));
+    return cap;
+}
+
+}  // namespace
+
 std::vector<LightSamples::Sample> LightSamples::fit_samples(const LightSummary& summary) const {
     std::vector<Sample> samples;
     int layer = 0;
-    for (const LightSamplePoint& point : sample_points(*summary.light, count_, pattern_, seed_)) {
+    const LightKind kind = summary.light->kind;
+    const bool sphere = (kind == LightKind::Point || kind == LightKind::Spot) && summary.has_extent;
+    const SphereCap cap = sphere ? visible_cap(summary) : SphereCap{};
+    for (const LightSamplePoint& point : sample_points(*summary.light, count_, pattern_, seed_, cap)) {
         Sample sample;
         sample.point = point;
         sample.frustum = fit_map_frustum(summary, point.position_ws, point.direction_ws, {.size_px = size_px_});

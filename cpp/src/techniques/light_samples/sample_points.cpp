@@ -86,7 +86,7 @@ glm::dvec2 concentric_disc(const glm::dvec2& u) noexcept {
 }
 
 std::vector<LightSamplePoint> sample_points(const Light& light, int count, std::string_view pattern,
-                                            std::uint32_t seed) {
+                                            std::uint32_t seed, const SphereCap& cap) {
     std::vector<LightSamplePoint> points;
     LightSamplePoint centre{light.position_ws, light.direction_ws, {}};
     if (has_no_extent(light) || count <= 1) {
@@ -101,14 +101,20 @@ std::vector<LightSamplePoint> sample_points(const Light& light, int count, std::
     }
     glm::dvec3 sun_u, sun_v;
     frame_around(light.direction_ws, sun_u, sun_v);
+    glm::dvec3 cap_u, cap_v;
+    frame_around(cap.axis_ws, cap_u, cap_v);
     for (const glm::dvec2& u : unit_square(count, pattern, seed)) {
         LightSamplePoint point = centre;
         switch (light.kind) {
             case LightKind::Point:
             case LightKind::Spot: {
-                const double z = 1.0 - 2.0 * u.x;
-                const double ring = std::sqrt(std::max(0.0, 1.0 - z * z));
-                point.normal_ws = {ring * std::cos(2.0 * kPi * u.y), ring * std::sin(2.0 * kPi * u.y), z};
+                // The disc's map onto the cap keeps areas: height falls with the square of the radius.
+                const glm::dvec2 d = concentric_disc(u);
+                const double height = 1.0 - (1.0 - cap.least_cosine) * glm::dot(d, d);
+                const double ring = std::sqrt(std::max(0.0, 1.0 - height * height));
+                const double radius = glm::length(d);
+                const glm::dvec2 around = radius > 0.0 ? d * (ring / radius) : glm::dvec2{0.0};
+                point.normal_ws = around.x * cap_u + around.y * cap_v + height * cap.axis_ws;
                 point.position_ws = light.position_ws + light.radius_m * point.normal_ws;
                 break;
             }
