@@ -27,9 +27,23 @@ __all__ = ["NOTES_KEY", "BridgeError", "SceneExport", "read_scene"]
 
 NOTES_KEY = "penumbra_notes"  # custom property of a scene: what `scenes.open_scene` put there
 
-# Objects that never become triangles and are no loss.
-_SILENT_TYPES = frozenset({"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE", "LIGHTPROBE"})
-_CONVERTED_TYPES = frozenset({"CURVE", "SURFACE", "FONT", "META"})
+# Objects whose absence is no loss. Curves, surfaces, texts and metaballs are in the list twice: as themselves, and as
+# an instance of the mesh that Blender made of them, which is what we take.
+_SILENT_TYPES = frozenset(
+    {
+        "EMPTY",
+        "CAMERA",
+        "ARMATURE",
+        "LATTICE",
+        "SPEAKER",
+        "LIGHT_PROBE",
+        "LIGHTPROBE",
+        "CURVE",
+        "SURFACE",
+        "FONT",
+        "META",
+    }
+)
 
 
 @dataclass(frozen=True)
@@ -86,6 +100,12 @@ class _Geometry:
             )
         low, high = self.bounds
         return np.array([[(low, high)[(i >> axis) & 1][axis] for axis in range(3)] for i in range(8)])
+
+
+def _made_by_another(instance: Any) -> bool:
+    """False for objects of their own, also where Blender shows the mesh of a curve or text as an instance of itself."""
+    parent = instance.parent
+    return bool(instance.is_instance and parent is not None and parent.original != instance.object.original)
 
 
 @dataclass
@@ -147,7 +167,7 @@ class _Reader:
             return
         if not instance.show_self:
             return
-        if kind != "MESH" and kind not in _CONVERTED_TYPES:
+        if kind != "MESH":
             what = kind.lower().replace("_", " ")
             self.notes.add(f"left out, {what} objects have no triangles", obj.name)
             return
@@ -185,7 +205,7 @@ class _Reader:
     def _name(self, instance: Any) -> str:
         """The object's name; instances say what made them, and which of them they are."""
         name = instance.object.name
-        if instance.is_instance and instance.parent is not None:
+        if _made_by_another(instance):
             key = (instance.parent.name, name)
             self.counters[key] = self.counters.get(key, 0) + 1
             name = f"{key[0]} / {name} {self.counters[key]}"
@@ -203,7 +223,7 @@ class _Reader:
     def _switches(self, instance: Any) -> tuple[bool, bool, bool]:
         """visible, casts, receives. An instance also obeys the object that makes it, as in Cycles."""
         visible, casts, hole, catcher = self._own_switches(instance.object)
-        if instance.is_instance and instance.parent is not None:
+        if _made_by_another(instance):
             parent = self._own_switches(instance.parent)
             visible, casts = visible and parent[0], casts and parent[1]
             hole, catcher = hole or parent[2], catcher or parent[3]
@@ -240,10 +260,8 @@ class _Reader:
     def _geometry(self, instance: Any) -> _Geometry | str:
         """The mesh of an instance, read and sent once; or why there is none ("" if that is no loss)."""
         obj = instance.object
-        source = instance.instance_object if instance.is_instance else obj
-        # The object behind an instance is a temporary whose address is used again; its data and its source are not.
-        data_key = obj.data.as_pointer() if obj.data is not None else 0
-        key = data_key if obj.type == "MESH" else (source.as_pointer(), data_key, obj.type)
+        # The object behind an instance is a temporary whose address is used again; that of its mesh is not.
+        key = obj.data.as_pointer()
         known = self.geometry.get(key)
         if known is None:
             known = self._read_geometry(obj)
@@ -251,28 +269,24 @@ class _Reader:
         return known
 
     def _read_geometry(self, obj: Any) -> _Geometry | str:
-        convert = obj.type != "MESH" or obj.mode == "EDIT"
+        # In edit mode the mesh holds what was there before; Blender must be asked for a copy of what is seen.
+        convert = obj.mode == "EDIT"
+        mesh = obj.to_mesh() if convert else obj.data
         try:
-            mesh = obj.to_mesh() if convert else obj.data
-        except RuntimeError:
-            mesh = None  # "Object does not have geometry data"
-        try:
-            if mesh is None:
-                return ""
             arrays = read_mesh(mesh)
-            name = obj.data.name if obj.data is not None else obj.name
+            vertices = len(mesh.vertices)
         finally:
             if convert:
                 obj.to_mesh_clear()
         if arrays is None:
-            return "" if convert or len(mesh.vertices) == 0 else "left out, it has no faces"
+            return "left out, it has no faces" if vertices else ""
         if not arrays.finite:
             return "left out, its mesh holds positions that are not numbers"
         if arrays.corner_normals is not None and not np.isfinite(arrays.corner_normals.sum()):
             self.notes.add("shaded flat, its normals are not numbers", obj.name)
             arrays.corner_normals = None
         core_mesh = self.core.Mesh(
-            name,
+            obj.data.name,
             arrays.positions,
             arrays.triangles,
             corner_normals=arrays.corner_normals,
@@ -285,7 +299,7 @@ class _Reader:
         obj = instance.object
         data = obj.data
         slots: list[Any] = list(data.materials) if data is not None and hasattr(data, "materials") else []
-        own_data = not instance.is_instance or (
+        own_data = not _made_by_another(instance) or (
             instance.instance_object is not None
             and instance.instance_object.data is not None
             and data is not None
@@ -345,7 +359,7 @@ class _Reader:
         self._add_light(light, self._light_name(instance))
 
     def _light_name(self, instance: Any) -> str:
-        if instance.is_instance and instance.parent is not None:
+        if _made_by_another(instance):
             return f"{instance.parent.name} / {instance.object.name}"
         return str(instance.object.name)
 
