@@ -146,7 +146,7 @@ def render_depsgraph(scene: Any, use: Callable[[Any], T], *, view_layer: str | N
     def render(self: Any, depsgraph: Any) -> None:
         try:
             caught["result"] = use(depsgraph)
-        except BaseException as error:  # noqa: BLE001 - Blender would print it and go on
+        except BaseException as error:  # Blender would print it and go on
             caught["error"] = error
 
     name = "PENUMBRA_READER"

@@ -151,7 +151,8 @@ def test_the_render_border_keeps_every_pixel_where_it_was(kit: Kit, kind: str) -
     export = kit.read()
     left, bottom, right, top = (60, 75, 213, 182)
     assert export.size == (right - left, top - bottom)
-    np.testing.assert_allclose(pixels(export.scene.camera, points) + (left, bottom), whole, atol=1e-9)
+    corner = np.array((left, bottom))
+    np.testing.assert_allclose(pixels(export.scene.camera, points) + corner, whole, atol=1e-9)
 
 
 def test_the_border_is_rounded_as_blender_rounds_it(kit: Kit, tmp_path: Any) -> None:

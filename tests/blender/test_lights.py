@@ -113,11 +113,11 @@ def test_a_sheared_area_light_is_a_parallelogram_with_a_normal(kit: Kit) -> None
     assert n @ -matrix[:3, 2] > 0
 
 
-def test_an_area_light_without_width_arrives_as_a_line_and_without_size_as_a_point(kit: Kit) -> None:
+def test_area_lights_without_width_or_size_are_legal(kit: Kit) -> None:
     kit.light("AREA", "Tube", size=2, scale=(1, 0, 1))
     kit.light("AREA", "Dot", size=0)
     export = kit.read()
-    assert {light.name: light.kind for light in export.scene.lights} == {"Tube": "line", "Dot": "point"}
+    assert {light.name: light.kind for light in export.scene.lights} == {"Tube": "rectangle", "Dot": "rectangle"}
 
 
 def test_a_narrow_spread_is_noted(kit: Kit) -> None:

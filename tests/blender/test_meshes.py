@@ -65,7 +65,7 @@ def test_a_foreign_memory_layout_falls_back_to_the_slow_path() -> None:
             return self.address
 
     class Mesh:
-        loop_triangles = [Triangle(1000 + 16 * i) for i in range(5)]  # four words each, not three
+        loop_triangles = tuple(Triangle(1000 + 16 * i) for i in range(5))  # four words each, not three
 
     assert meshes.triangle_corners_fast(Mesh()) is None
 

@@ -67,7 +67,7 @@ def triangle_corners_fast(mesh: Any) -> IndexArray | None:
 def _read_attribute(
     mesh: Any, name: str, key: str, fallback: tuple[Any, str], shape: int, dtype: type
 ) -> npt.NDArray[Any]:
-    """A whole attribute by its internal name (1 ms), or the documented collection where the name is unknown (20 ms+)."""
+    """A whole attribute by its internal name (1 ms), or by the documented way where the name is unknown (20 ms+)."""
     attribute = mesh.attributes.get(name)
     source, field_name = (attribute.data, key) if attribute is not None else fallback
     values: npt.NDArray[Any] = np.empty(len(source) * shape, dtype=dtype)

@@ -18,7 +18,7 @@ class Notes:
             names[name] = names.get(name, 0) + 1
 
     def sentences(self) -> list[str]:
-        """One sentence per remark in the order of first mention, e.g. `left out, it has no faces: "A", "B" (3 times)`."""
+        """One sentence per remark in the order of first mention: `left out, it has no faces: "A", "B" (3 times)`."""
         return [text + _listed(names) for text, names in self._names.items()]
 
 
