@@ -52,9 +52,15 @@ gpu::LightBlock light_block(const Light& light, const glm::dvec3& eye_ws) {
             block.corner[corners++] = pack(offset, 0.0);
         }
     } else if (form == LightForm::Polygon) {
-        const std::size_t count = std::min<std::size_t>(light.corners_ws.size(), PENUMBRA_MAX_LIGHT_CORNERS);
-        for (; corners < count; ++corners) {
-            block.corner[corners] = pack(light.corners_ws[corners] - light.position_ws, 0.0);
+        corners = std::min<std::size_t>(light.corners_ws.size(), PENUMBRA_MAX_LIGHT_CORNERS);
+        const glm::dvec3& first = light.corners_ws[0];
+        glm::dvec3 area{0.0};
+        for (std::size_t i = 2; i < corners; ++i) {
+            area += glm::cross(light.corners_ws[i - 1] - first, light.corners_ws[i] - first);
+        }
+        const bool turned = glm::dot(area, light.direction_ws) < 0.0;
+        for (std::size_t i = 0; i < corners; ++i) {
+            block.corner[i] = pack(light.corners_ws[turned ? corners - 1 - i : i] - light.position_ws, 0.0);
         }
     }
     block.direction = pack(light.direction_ws, static_cast<double>(corners));
