@@ -115,12 +115,13 @@ TEST_F(ShadowMapGl, SecondDepthDrawsOnlyFacesTurnedAway) {
     };
     EXPECT_EQ(darkest(), 1.0F);
     glm::dmat4& m = scene.instances[1].world_from_local;
-    m[2][2] = -1.0;  // mirrored in its own plane: the same triangles, wound the other way, normal still up
-    EXPECT_EQ(darkest(), 1.0F);
-    m[2][2] = 1.0;
-    m[1] = -m[1];
-    m[2] = -m[2];  // turned about x: faces down
+    m[2][2] = -1.0;  // mirrored in its own plane: the same triangles, but the normal goes along and points down
     EXPECT_EQ(darkest(), 0.0F);
+    m[1] = -m[1];
+    m[2][2] = -1.0;  // turned about x: faces down
+    EXPECT_EQ(darkest(), 0.0F);
+    m[2][2] = 1.0;  // and mirrored besides: up again
+    EXPECT_EQ(darkest(), 1.0F);
 }
 
 TEST_F(ShadowMapGl, MidpointShadowsBehindAnOpenSheet) {

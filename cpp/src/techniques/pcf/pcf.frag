@@ -24,6 +24,11 @@ vec4 bspline(float f) {
                 f * f * f) / 6.0;
 }
 
+// A driver may divide by way of a rounded reciprocal; all lit is exactly 1 all the same.
+float mean(float sum, float whole) {
+    return sum >= whole ? 1.0 : sum / whole;
+}
+
 float filtered(MapPoint at) {
     vec2 s = at.texel - 0.5;
     ivec2 base = ivec2(floor(s));
@@ -38,21 +43,22 @@ float filtered(MapPoint at) {
 #elif FILTER == 1  // bicubic, 16 comparisons
     float z_ls = at.z_ls - depth_bias(at, 2.0);
     vec4 wx = bspline(f.x), wy = bspline(f.y);
-    float sum = 0.0, whole = 0.0;
+    precise float sum = 0.0, whole = 0.0;
     for (int j = 0; j < 4; ++j) {
         for (int i = 0; i < 4; ++i) {
-            sum += wx[i] * wy[j] * lit(at, base + ivec2(i - 1, j - 1), z_ls);
-            whole += wx[i] * wy[j];
+            precise float weight = wx[i] * wy[j];
+            sum += lit(at, base + ivec2(i - 1, j - 1), z_ls) > 0.5 ? weight : 0.0;
+            whole += weight;
         }
     }
-    return sum / whole;
+    return mean(sum, whole);
 #elif FILTER == 2  // bicubic by four bilinear comparisons of the hardware: the same sum, regrouped
     float reference = window_depth(at.face, at.z_ls - depth_bias(at, 2.0));
     vec4 wx = bspline(f.x), wy = bspline(f.y);
     vec2 gx = vec2(wx.x + wx.y, wx.z + wx.w), gy = vec2(wy.x + wy.y, wy.z + wy.w);
     vec2 hx = vec2(-1.0 + wx.y / gx.x, 1.0 + wx.w / gx.y), hy = vec2(-1.0 + wy.y / gy.x, 1.0 + wy.w / gy.y);
     float size = float(map.counts.y);
-    float sum = 0.0, whole = 0.0;
+    precise float sum = 0.0, whole = 0.0;
     for (int j = 0; j < 2; ++j) {
         for (int i = 0; i < 2; ++i) {
             vec2 uv = (vec2(base) + 0.5 + vec2(hx[i], hy[j])) / size;
@@ -60,23 +66,24 @@ float filtered(MapPoint at) {
             whole += gx[i] * gy[j];
         }
     }
-    return sum / whole;
+    return mean(sum, whole);
 #else  // kernel x kernel box, its two outermost texels weighted so that the box slides smoothly
     float z_ls = at.z_ls - depth_bias(at, 0.5 * float(kernel) + 0.5);
     // The box [texel - kernel/2, texel + kernel/2] covers kernel + 1 texels, the first and last of them partly.
     vec2 low = at.texel - 0.5 * float(kernel);
     ivec2 first = ivec2(floor(low));
     vec2 cut = low - vec2(first);
-    float sum = 0.0, whole = 0.0;  // summed alike, so that all lit is exactly 1
+    precise float sum = 0.0, whole = 0.0;  // summed alike, no fused steps, so that all lit is exactly 1
     for (int j = 0; j <= kernel; ++j) {
         float wy = j == 0 ? 1.0 - cut.y : (j == kernel ? cut.y : 1.0);
         for (int i = 0; i <= kernel; ++i) {
             float wx = i == 0 ? 1.0 - cut.x : (i == kernel ? cut.x : 1.0);
-            sum += wx * wy * lit(at, first + ivec2(i, j), z_ls);
-            whole += wx * wy;
+            precise float weight = wx * wy;
+            sum += lit(at, first + ivec2(i, j), z_ls) > 0.5 ? weight : 0.0;
+            whole += weight;
         }
     }
-    return sum / whole;
+    return mean(sum, whole);
 #endif
 }
 
