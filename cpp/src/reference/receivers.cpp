@@ -12,8 +12,8 @@ namespace {
 /// What can be wrong is the height of the point above its triangle: the View's position and its conversion round once
 /// each, Embree's robust test subtracts origin from vertex (once) and, through an instance, transforms the origin (up
 /// to kLargestCondition times a rounding). With the worst orientation (factor sqrt 3) that is some 10 roundings in the
-/// worst case. Measured on grazing lit spheres, cubes and turned planes over all scales (visibility_tracer_test.cpp):
-/// acne starts below 1.5 and is absent from 2 on. 16 leaves room and is still 2e-6 of the scene's size.
+/// worst case. Measured on grazing lit spheres, cubes, turned planes and instances over all scales and places
+/// (visibility_tracer_test.cpp): acne at 1.0, none from 1.5 on. 16 leaves room and is still 2e-6 of the scene's size.
 constexpr float kOffsetRoundings = 16.0F;
 constexpr float kRounding = std::numeric_limits<float>::epsilon();
 constexpr double kRoundingRatio = std::numeric_limits<double>::epsilon() / std::numeric_limits<float>::epsilon();
