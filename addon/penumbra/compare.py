@@ -52,7 +52,7 @@ class Options:
     target_rmse: float | None = None
     keep_everything: bool = False
     use_cache: bool = True
-    timing_seconds: float = 4.0  # per technique and light, soft
+    timing_seconds: float = 3.0  # per technique and light, soft
 
 
 @dataclass(frozen=True)

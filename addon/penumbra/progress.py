@@ -24,6 +24,7 @@ class Progress:
         self._total = max(total, 1e-9)
         self._done = 0.0
         self._weight = 0.0
+        self._reached = 0.0  # of the current stage; never falls, whatever the inner jobs of one report
         self._text = ""
         self._drawn_at = 0.0
         self._started = time.monotonic()
@@ -48,6 +49,7 @@ class Progress:
         """Closes the stage before and opens the next one."""
         self._done += self._weight
         self._weight = weight
+        self._reached = 0.0
         self._text = text
         self._draw(0.0, "", force=self._bar is not None)
 
@@ -71,11 +73,12 @@ class Progress:
     def _draw(self, fraction: float, detail: str, *, force: bool) -> None:
         if not self._show:
             return
+        self._reached = max(self._reached, min(max(fraction, 0.0), 1.0))
         now = time.monotonic()
         if not force and now - self._drawn_at < (_BAR_INTERVAL_S if self._bar is not None else _LINE_INTERVAL_S):
             return
         self._drawn_at = now
-        share = min(1.0, (self._done + self._weight * min(max(fraction, 0.0), 1.0)) / self._total)
+        share = min(1.0, (self._done + self._weight * self._reached) / self._total)
         text = f"{self._text}: {detail}" if detail and detail not in self._text else self._text
         if self._bar is not None:
             self._bar.show(share, text)
