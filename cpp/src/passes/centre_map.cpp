@@ -69,10 +69,15 @@ void CentreMap::update(Frame& frame) {
     }
 }
 
-void CentreMap::bind(Frame&, const Program& program, bool facing_test) {
+const Program& CentreMap::lookup(Frame& frame, std::string_view fragment, const Defines& more) const {
+    Defines defines = bias_.defines(frustum_, facing_test_);
+    defines.insert(defines.end(), more.begin(), more.end());
+    return frame.device().programs.get({"lib/fullscreen.vert", fragment}, defines);
+}
+
+void CentreMap::bind(const Program& program) {
     setup_.bind_for_lookup(block_);
     bias_.set_uniforms(program);
-    program.set("facing_test", facing_test);
     if (map_.texture()) {
         map_.texture().bind(2);
     }

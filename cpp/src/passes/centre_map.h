@@ -12,8 +12,8 @@ class Frame;
 /// that hold receivers, or one orthographic map for a sun.
 class CentreMap {
 public:
-    CentreMap(int size_px, const MapBias& bias, double margin_texels)
-        : bias_{bias}, options_{.size_px = size_px, .margin_texels = margin_texels} {}
+    CentreMap(int size_px, const MapBias& bias, bool facing_test, double margin_texels)
+        : bias_{bias}, facing_test_{facing_test}, options_{.size_px = size_px, .margin_texels = margin_texels} {}
 
     /// Adds one step per face (and per peeled face), run or left out.
     /// @return false if the light needs no map at all; the reason is in the plan, under all steps and `lookup`
@@ -21,8 +21,10 @@ public:
 
     void allocate(Frame& frame);
     void update(Frame& frame);
-    /// Map at texture unit 2, peeled map at 3, block at uniform 1, bias and facing uniforms.
-    void bind(Frame& frame, const Program& program, bool facing_test);
+    /// The lookup program for the frustum at hand; `fragment` includes lib/map_lookup.glsl and lib/bias.glsl.
+    [[nodiscard]] const Program& lookup(Frame& frame, std::string_view fragment, const Defines& more = {}) const;
+    /// Map at texture unit 2, peeled map at 3, block at uniform 1, bias uniforms.
+    void bind(const Program& program);
 
     [[nodiscard]] TextureImage& texture() noexcept { return map_.texture(); }
     [[nodiscard]] std::size_t bytes() const noexcept { return map_.bytes() + second_map_.bytes(); }
@@ -31,6 +33,7 @@ private:
     [[nodiscard]] bool midpoint() const noexcept { return bias_.mode == MapBias::Mode::Midpoint; }
 
     MapBias bias_;
+    bool facing_test_;
     MapFrustumOptions options_;
     MapFrustum frustum_;
     gpu::MapBlock block_{};

@@ -19,6 +19,9 @@ gpu::MapBlock make_map_block(const MapFrustum& frustum, const Light& light, cons
         out.y_ls_from_rel = glm::vec4{glm::vec3{axes[1]}, 0.0F};
         out.z_ls_from_rel = glm::vec4{glm::vec3{axes[2]}, 0.0F};
         out.low_high = glm::vec4{glm::vec2{face.low}, glm::vec2{face.high}};
+        const glm::dvec2 step = (face.high - face.low) / static_cast<double>(size_px);
+        out.texel_from_ls = glm::vec4{glm::vec2{1.0 / step}, glm::vec2{-face.low / step}};
+        out.step_ls = glm::vec4{glm::vec2{step}, static_cast<float>(std::max(step.x, step.y)), 0.0F};
         out.range_m = glm::vec4{static_cast<float>(face.near_m), static_cast<float>(face.far_m),
                                 face.orthographic ? 1.0F : 0.0F, 0.0F};
     }

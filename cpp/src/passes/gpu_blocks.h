@@ -9,7 +9,7 @@ namespace penumbra::gpu {
 
 static_assert(sizeof(InstanceBlock) == 48);
 static_assert(sizeof(InstanceExact) == 128);
-static_assert(sizeof(MapFaceBlock) == 80);
-static_assert(sizeof(MapBlock) == 48 + PENUMBRA_MAX_FACES * 80);
+static_assert(sizeof(MapFaceBlock) == 112);
+static_assert(sizeof(MapBlock) == 48 + PENUMBRA_MAX_FACES * 112);
 
 }  // namespace penumbra::gpu

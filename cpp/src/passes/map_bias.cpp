@@ -1,5 +1,7 @@
 #include "passes/map_bias.h"
 
+#include <algorithm>
+
 namespace penumbra {
 
 namespace {
@@ -51,8 +53,15 @@ MapBias map_bias_from(const Settings& settings) {
     return bias;
 }
 
+Defines MapBias::defines(const MapFrustum& frustum, bool facing_test) const {
+    const bool orthographic = !frustum.faces.empty() && frustum.faces.front().orthographic;
+    return {{"BIAS_MODE", std::to_string(static_cast<int>(mode))},
+            {"MAP_FACES", std::to_string(std::max<std::size_t>(1, frustum.faces.size()))},
+            {"MAP_ORTHOGRAPHIC", orthographic ? "1" : "0"},
+            {"FACING_TEST", facing_test ? "1" : "0"}};
+}
+
 void MapBias::set_uniforms(const Program& program) const {
-    program.set("bias_mode", static_cast<int>(mode));
     program.set("bias_scale", scale);
     program.set("bias_constant", constant);
     program.set("slope_cap", slope_cap);

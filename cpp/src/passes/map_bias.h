@@ -4,6 +4,7 @@
 
 #include "gl/program.h"
 #include "passes/gpu_scene.h"
+#include "passes/map_frustum.h"
 #include "penumbra/settings.h"
 
 namespace penumbra {
@@ -19,6 +20,8 @@ struct MapBias {
     /// Which faces the depth pass leaves out: the lit ones for second depth.
     [[nodiscard]] Cull cull() const noexcept { return mode == Mode::SecondDepth ? Cull::Back : Cull::None; }
     void set_uniforms(const Program& program) const;
+    /// BIAS_MODE, MAP_FACES, MAP_ORTHOGRAPHIC and FACING_TEST of the lookup shaders.
+    [[nodiscard]] Defines defines(const MapFrustum& frustum, bool facing_test) const;
 };
 
 /// The settings that every map technique shares: map_size, bias, bias_scale, bias_constant, slope_cap, facing_test.

@@ -136,10 +136,10 @@ void LightSamples::prepare(Frame& frame) {
     if (!frame.plan().runs("lookups")) {
         return;
     }
-    ProgramLibrary& programs = frame.device().programs;
-    accumulate_ = &programs.get({"lib/fullscreen.vert", "techniques/light_samples/accumulate.frag"});
-    divide_ = &programs.get({"lib/fullscreen.vert", "techniques/light_samples/divide.frag"});
+    divide_ = &frame.device().programs.get({"lib/fullscreen.vert", "techniques/light_samples/divide.frag"});
+    const LightKind kind = frame.light().kind;
     samples_ = fit_samples(frame.summary());
+    sphere_ = (kind == LightKind::Point || kind == LightKind::Spot) && samples_.size() > 1;
     std::size_t layers = 0, most = 0;
     for (const Sample& sample : samples_) {
         layers += sample.frustum.faces.size();
@@ -163,9 +163,6 @@ void LightSamples::render_maps(Frame& frame, std::size_t index, int first_layer)
 }
 
 void LightSamples::update(Frame& frame) {
-    if (accumulate_ == nullptr) {
-        return;
-    }
     frame.step("depth maps", [&] {
         samples_ = fit_samples(frame.summary());
         if (keep_maps_) {
@@ -177,17 +174,25 @@ void LightSamples::update(Frame& frame) {
     });
 }
 
+const Program& LightSamples::accumulation(Frame& frame, const Sample& sample) const {
+    Defines defines = bias_.defines(sample.frustum, facing_test_);
+    defines.push_back({"SPHERE", sphere_ ? "1" : "0"});
+    return frame.device().programs.get({"lib/fullscreen.vert", "techniques/light_samples/accumulate.frag"}, defines);
+}
+
 void LightSamples::accumulate(Frame& frame, const Sample& sample, int first_layer) {
     setup_.bind_for_lookup(sample.block);
-    const LightKind kind = frame.light().kind;
-    const bool sphere = (kind == LightKind::Point || kind == LightKind::Spot) && samples_.size() > 1;
-    accumulate_->set("first_layer", first_layer);
-    accumulate_->set("sphere", sphere);
-    accumulate_->set("sphere_normal_ws", glm::vec3{sample.point.normal_ws});
+    const Program& program = accumulation(frame, sample);
+    bias_.set_uniforms(program);
+    program.set("first_layer", first_layer);
+    if (sphere_) {
+        program.set("sphere_normal_ws", glm::vec3{sample.point.normal_ws});
+        program.set("sphere_radius_m", static_cast<float>(frame.light().radius_m));
+    }
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glBlendFunc(GL_ONE, GL_ONE);
-    frame.fullscreen().draw(sums_target_, *accumulate_);
+    frame.fullscreen().draw(sums_target_, program);
     glDisable(GL_BLEND);
 }
 
@@ -196,8 +201,6 @@ void LightSamples::resolve(Frame& frame) {
         sums_target_.bind();
         sums_target_.clear_colour(0, glm::vec4{0.0F});
         frame.bind_view();
-        bias_.set_uniforms(*accumulate_);
-        accumulate_->set("facing_test", facing_test_);
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             frame.control().check();
             int first_layer = samples_[i].first_layer;

@@ -32,6 +32,7 @@ private:
     };
     [[nodiscard]] std::vector<Sample> fit_samples(const LightSummary& summary) const;
     void render_maps(Frame& frame, std::size_t sample, int first_layer);
+    [[nodiscard]] const Program& accumulation(Frame& frame, const Sample& sample) const;
     void accumulate(Frame& frame, const Sample& sample, int first_layer);
 
     int count_;
@@ -42,13 +43,13 @@ private:
     bool facing_test_;
     MapBias bias_;
 
+    bool sphere_ = false;     ///< sampled all over its surface, so samples carry weights
     bool keep_maps_ = false;  ///< all maps stay, so that a static frame is lookups alone
     std::vector<Sample> samples_;
     DepthMap maps_;
     MapSetup setup_;
     TextureImage sums_;
     RenderTarget sums_target_;
-    const Program* accumulate_ = nullptr;
     const Program* divide_ = nullptr;
 };
 

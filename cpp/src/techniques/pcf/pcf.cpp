@@ -54,10 +54,10 @@ const TechniqueInfo& Pcf::description() {
 }
 
 Pcf::Pcf(const Settings& settings)
-    : facing_test_{get_bool(settings, "facing_test")},
-      filter_{filter_index(settings)},
+    : filter_{filter_index(settings)},
       kernel_{get_int(settings, "kernel")},
-      map_{get_int(settings, "map_size"), map_bias_from(settings), reach_texels(settings)} {}
+      map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"),
+           reach_texels(settings)} {}
 
 Verdict Pcf::supports(const Light&) const { return {}; }
 
@@ -67,13 +67,16 @@ Plan Pcf::plan(const LightSummary& summary) const {
     return plan;
 }
 
+const Program& Pcf::lookup(Frame& frame) const {
+    return map_.lookup(frame, "techniques/pcf/pcf.frag", {{"FILTER", std::to_string(filter_)}});
+}
+
 void Pcf::prepare(Frame& frame) {
     if (!frame.plan().runs("filtered lookup")) {
         return;
     }
-    lookup_ = &frame.device().programs.get({"lib/fullscreen.vert", "techniques/pcf/pcf.frag"},
-                                           {{"FILTER", std::to_string(filter_)}});
     map_.allocate(frame);
+    static_cast<void>(lookup(frame));
     compare_sampler_ = Sampler::create();
     const GLuint sampler = compare_sampler_.name();
     glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -85,18 +88,21 @@ void Pcf::prepare(Frame& frame) {
 }
 
 void Pcf::update(Frame& frame) {
-    if (lookup_ != nullptr) {
+    if (frame.plan().runs("filtered lookup")) {
         map_.update(frame);
     }
 }
 
 void Pcf::resolve(Frame& frame) {
     frame.step("filtered lookup", [&] {
-        map_.bind(frame, *lookup_, facing_test_);
-        lookup_->set("kernel", kernel_);
+        const Program& program = lookup(frame);
+        map_.bind(program);
+        if (program.has("kernel")) {
+            program.set("kernel", kernel_);
+        }
         map_.texture().bind(3);
         glBindSampler(3, compare_sampler_.name());
-        frame.resolve_with(*lookup_);
+        frame.resolve_with(program);
         glBindSampler(3, 0);
     });
 }

@@ -5,9 +5,12 @@
 layout(binding = 0) uniform sampler2D position_texture;
 layout(binding = 1) uniform sampler2D normal_texture;
 layout(binding = 2) uniform sampler2DArray depth_map;
+#if FILTER == 2
 layout(binding = 3) uniform sampler2DArrayShadow depth_map_compare;
-uniform int facing_test;
+#endif
+#if FILTER == 3
 uniform int kernel;
+#endif
 
 layout(location = 0) out float visibility;
 
@@ -90,24 +93,13 @@ float filtered(MapPoint at) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 position = texelFetch(position_texture, pixel, 0);
-    visibility = 1.0;
-    if (position.w == 0.0) {
-        return;
-    }
     vec3 n_ws = texelFetch(normal_texture, pixel, 0).xyz;
-    if (facing_test != 0 && dot(n_ws, to_light(position.xyz)) <= 0.0) {
-        visibility = 0.0;
-        return;
-    }
-    MapPoint at = find_in_map(position.xyz, n_ws);
-    if (at.face < 0) {
-        return;
-    }
-    if (bias_mode == BIAS_NORMAL_OFFSET) {
-        MapPoint moved = find_in_map(offset_receiver(position.xyz, n_ws, at.texel_m), n_ws);
-        if (moved.face >= 0) {
-            at = moved;
-        }
-    }
-    visibility = clamp(filtered(at), 0.0, 1.0);
+    MapPoint at = find_biased(position.xyz, n_ws);
+    bool outside = at.face < 0;
+    at.face = max(at.face, 0);
+    float v = outside ? 1.0 : clamp(filtered(at), 0.0, 1.0);
+#if FACING_TEST
+    v = at.towards_m > 0.0 ? v : 0.0;
+#endif
+    visibility = position.w != 0.0 ? v : 1.0;
 }

@@ -23,12 +23,11 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept override { return map_.bytes(); }
 
 private:
-    bool facing_test_;
     int filter_;  ///< index of the choice; FILTER in pcf.frag
     int kernel_;
     CentreMap map_;
     Sampler compare_sampler_;
-    const Program* lookup_ = nullptr;
+    [[nodiscard]] const Program& lookup(Frame& frame) const;
 };
 
 }  // namespace penumbra

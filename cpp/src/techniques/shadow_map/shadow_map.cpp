@@ -5,6 +5,12 @@
 
 namespace penumbra {
 
+namespace {
+
+constexpr const char* kLookup = "techniques/shadow_map/shadow_map.frag";
+
+}  // namespace
+
 const TechniqueInfo& ShadowMap::description() {
     static const TechniqueInfo info{
         .id = "shadow_map",
@@ -20,9 +26,7 @@ const TechniqueInfo& ShadowMap::description() {
 }
 
 ShadowMap::ShadowMap(const Settings& settings)
-    : facing_test_{get_bool(settings, "facing_test")},
-      midpoint_{get_choice(settings, "bias") == "midpoint"},
-      map_{get_int(settings, "map_size"), map_bias_from(settings), 2.0} {}
+    : map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"), 2.0} {}
 
 Verdict ShadowMap::supports(const Light&) const { return {}; }
 
@@ -33,25 +37,23 @@ Plan ShadowMap::plan(const LightSummary& summary) const {
 }
 
 void ShadowMap::prepare(Frame& frame) {
-    if (!frame.plan().runs("lookup")) {
-        return;
+    if (frame.plan().runs("lookup")) {
+        map_.allocate(frame);
+        static_cast<void>(map_.lookup(frame, kLookup));
     }
-    ProgramLibrary& programs = frame.device().programs;
-    lookup_ = midpoint_ ? &programs.get({"lib/fullscreen.vert", "techniques/shadow_map/shadow_map.frag"}, {{"MIDPOINT"}})
-                        : &programs.get({"lib/fullscreen.vert", "techniques/shadow_map/shadow_map.frag"});
-    map_.allocate(frame);
 }
 
 void ShadowMap::update(Frame& frame) {
-    if (lookup_ != nullptr) {
+    if (frame.plan().runs("lookup")) {
         map_.update(frame);
     }
 }
 
 void ShadowMap::resolve(Frame& frame) {
     frame.step("lookup", [&] {
-        map_.bind(frame, *lookup_, facing_test_);
-        frame.resolve_with(*lookup_);
+        const Program& lookup = map_.lookup(frame, kLookup);
+        map_.bind(lookup);
+        frame.resolve_with(lookup);
     });
 }
 

@@ -22,10 +22,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept override { return map_.bytes(); }
 
 private:
-    bool facing_test_;
-    bool midpoint_;
     CentreMap map_;
-    const Program* lookup_ = nullptr;
 };
 
 }  // namespace penumbra
