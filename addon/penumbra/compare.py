@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -37,7 +38,7 @@ SWEEP_SEEDS = 2  # the fewest that give a variance
 QUICK_STEPS = 3
 
 # Estimated seconds, only for the progress bar.
-_REFERENCE_WORK, _IMAGE_WORK, _TIMING_WORK = 12.0, 0.5, 2.5
+_REFERENCE_WORK, _IMAGE_WORK, _TIMING_WORK = 12.0, 0.5, 5.0
 
 
 @dataclass(frozen=True)
@@ -346,12 +347,14 @@ class Comparer:
                     self.failures.append(Failure(f"{where}, {job.id}", record.reason))
 
     def _measure(self, done: list[tuple[int, Record, Job]]) -> None:
+        # A dynamic and a static frame of each, and the view, each within timing_seconds; most end sooner.
+        started, longest = time.monotonic(), self._options.timing_seconds * (2 * len(done) + 1)
         measured = self._renderer.measure(
             done[0][0],
             [(job.id, job.settings) for _, _, job in done],
             keep_everything=self._options.keep_everything,
             max_seconds=self._options.timing_seconds,
-            progress=self._progress,
+            progress=lambda fraction, text: self._progress((time.monotonic() - started) / longest),
         )
         for (_, record, _), answer in zip(done, measured, strict=True):
             record.time_ms = {name: _spread(answer[name]) for name in ("setup", "dynamic", "static", "view")}

@@ -10,6 +10,7 @@ failure it goes into the sentence.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import gzip
 import math
 import os
@@ -65,6 +66,7 @@ def quiet() -> Iterator[Callable[[], str]]:
     """
     sys.stdout.flush()
     sys.stderr.flush()
+    _flush_c()
     with tempfile.TemporaryFile() as sink:
         saved: list[tuple[int, int]] = []
         for descriptor in (1, 2):
@@ -80,11 +82,18 @@ def quiet() -> Iterator[Callable[[], str]]:
             with contextlib.suppress(Exception):
                 sys.stdout.flush()
                 sys.stderr.flush()
+            _flush_c()
             size = os.fstat(sink.fileno()).st_size
             printed.append(os.pread(sink.fileno(), size, 0).decode("utf-8", "replace"))
             for descriptor, copy in saved:
                 os.dup2(copy, descriptor)
                 os.close(copy)
+
+
+def _flush_c() -> None:
+    """Empty the C library's buffers: into a pipe or a file it writes late, and so to the wrong place."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).fflush(None)
 
 
 def open_scene(path: str | os.PathLike[str]) -> Any:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from .records import Budget, LightResult, Record
 
-BUDGETS = (0.05, 0.02, 0.01, 1 / 255)
+BUDGETS = (0.1, 0.05, 0.02, 0.01, 1 / 255)
 """Headline errors that a report answers "who is cheapest?" for; the last is one step of an 8-bit picture."""
 
 
@@ -85,7 +85,8 @@ def sentences(light: LightResult, target: float | None) -> list[str]:
         said.append(f"{records[best].label()} is the most accurate and the fastest: {_figures(records[best])}.")
     else:
         said.append(f"Most accurate: {records[best].label()}, {_figures(records[best])}.")
-        said.append(f"Fastest: {records[fast].label()}, {_figures(records[fast])}.")
+        tied = [records[i].label() for i in indices if i != fast and _overlap(records[i], records[fast])]
+        said.append(f"Fastest: {records[fast].label()}, {_figures(records[fast])}{_tied(tied)}.")
     if target is not None:
         said.append(_target_sentence(light, target))
     noise = [i for i in indices if (records[i].area or {}).get("within_reference_noise")]
@@ -107,9 +108,15 @@ def _target_sentence(light: LightResult, target: float) -> str:
     if found.record is None:
         return f"No technique stays within the target of {target:g}."
     winner = light.records[found.record]
-    tied = ", ".join(light.records[i].label() for i in found.ties)
-    tail = f"; {tied} cannot be told from it by time" if tied else ""
-    return f"Cheapest within the target of {target:g}: {winner.label()}, {_figures(winner)}{tail}."
+    tied = _tied([light.records[i].label() for i in found.ties])
+    return f"Cheapest within the target of {target:g}: {winner.label()}, {_figures(winner)}{tied}."
+
+
+def _tied(labels: list[str]) -> str:
+    if not labels:
+        return ""
+    shown = labels if len(labels) <= 3 else [*labels[:2], f"{len(labels) - 2} others"]
+    return f"; {' and '.join(shown)} cannot be told from it by time"
 
 
 def _figures(record: Record) -> str:

@@ -28,7 +28,10 @@ def report_of(folder: Path) -> dict[str, Any]:
 
 def exr(path: Path) -> dict[str, np.ndarray]:
     """Channels of an EXR by name, bottom row first."""
-    return {name: channel.pixels[::-1] for name, channel in OpenEXR.File(str(path)).channels().items()}
+    return {
+        name: channel.pixels[::-1]
+        for name, channel in OpenEXR.File(str(path), separate_channels=True).channels().items()
+    }
 
 
 def check_files(folder: Path) -> None:

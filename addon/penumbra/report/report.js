@@ -413,12 +413,14 @@
       out.push(`<text class="axis-title" x="${(left + right) / 2}" y="${H - 6}" text-anchor="middle">milliseconds</text>`);
       const metricName = $(this.article, "[data-control=metric]").selectedOptions[0].text;
       out.push(`<text class="axis-title" transform="translate(14 ${(top + bottom) / 2}) rotate(-90)" text-anchor="middle">${escape(metricName)}</text>`);
-      if (noise > 0 && visible[0]?.metric !== "flip" && Y(noise) < bottom) out.push(`<line class="noise-line" x1="${left}" x2="${right}" y1="${Y(noise)}" y2="${Y(noise)}"/>`);
+      if (noise > 0 && visible[0]?.metric !== "flip" && Y(noise) < bottom) out.push(`<line class="noise-line" x1="${left}" x2="${right}" y1="${Y(noise)}" y2="${Y(noise)}"/><text class="noise-name" x="${right - 6}" y="${Y(noise) + 14}" text-anchor="end">the reference's own noise</text>`);
       const front = this.front(visible);
       if (front.length) {
         let path = `M${X(front[0].time)} ${top}V${Y(at(front[0].error))}`;
         for (const point of front.slice(1)) path += `H${X(point.time)}V${Y(at(point.error))}`;
-        out.push(`<path class="front-line" d="${path}H${right}"/>`);
+        const clip = `clip-${this.light.key}`;
+        out.push(`<clipPath id="${clip}"><rect x="${left}" y="${top}" width="${right - left}" height="${bottom - top}"/></clipPath>`);
+        out.push(`<path class="front-line" clip-path="url(#${clip})" d="${path}H${right}"/>`);
       }
       for (const line of this.lines(visible)) {
         out.push(`<polyline fill="none" stroke="${line[0].record.colour}" stroke-width="1.6" points="${line.map(point => `${X(point.time)},${Y(at(point.error))}`).join(" ")}"/>`);
