@@ -131,8 +131,9 @@ py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pai
 }
 
 py::dict reference(PyRenderer& self, std::size_t light, double standard_error, std::uint32_t seed,
-                   int max_rays_per_pixel, bool keep_everything, const py::object& progress) {
-    const ReferenceOptions options{.standard_error = standard_error, .seed = seed,
+                   int max_rays_per_pixel, bool keep_everything, bool exact, const py::object& progress) {
+    const ReferenceOptions options{.method = exact ? ReferenceMethod::Exact : ReferenceMethod::RayTraced,
+                                   .standard_error = standard_error, .seed = seed,
                                    .max_rays_per_pixel = max_rays_per_pixel, .keep_everything = keep_everything};
     Reference r =
         wait_for([&](Control& c) { return self.renderer.reference(light, options, c); }, progress, "reference");
@@ -192,8 +193,9 @@ void bind_renderer(py::module_& m) {
              "min_runs"_a = 5, "max_runs"_a = 60, "progress"_a = py::none(),
              "Times of (technique, settings) jobs, measured interleaved; milliseconds.")
         .def("reference", &reference, "light"_a, "standard_error"_a = 0.002, "seed"_a = 1,
-             "max_rays_per_pixel"_a = 65536, "keep_everything"_a = false, "progress"_a = py::none(),
-             "The truth by ray tracing to a standard error: area and irradiance (h, w) float32, and more.")
+             "max_rays_per_pixel"_a = 65536, "keep_everything"_a = false, "exact"_a = false, "progress"_a = py::none(),
+             "The truth by ray tracing to a standard error: area and irradiance (h, w) float32, and more.\n"
+             "exact: float64 boundary intervals instead, for rectangle and polygon lights.")
         .def("irradiance", &irradiance, "light"_a, "progress"_a = py::none(),
              "Analytic unshadowed irradiance (h, w, 3) float32, W/m^2.");
     m.def("exact_visibility", &exact, "scene"_a, "light"_a, "positions"_a, "normals"_a,

@@ -11,7 +11,13 @@
 
 namespace penumbra {
 
+enum class ReferenceMethod {
+    RayTraced,  ///< every light, to a standard error
+    Exact,      ///< Rectangle and Polygon lights, float64 boundary intervals at every pixel; standard error 0
+};
+
 struct ReferenceOptions {
+    ReferenceMethod method = ReferenceMethod::RayTraced;
     double standard_error = 0.002;  ///< per pixel, of V; > 0
     std::uint32_t seed = 1;
     int max_rays_per_pixel = 65536;
@@ -43,5 +49,10 @@ struct ExactResult {
 [[nodiscard]] ExactResult exact_visibility(const Scene& scene, const Light& light,
                                            std::span<const glm::dvec3> positions_ws,
                                            std::span<const glm::dvec3> normals_ws, Control& control);
+
+/// The exact reference of a polygonal light at every pixel of its mask. Points are put back onto their triangles in
+/// float64 first: a float32 position lies off its surface by rounding, and its own triangle might block it.
+/// @throws InvalidScene if the light is not polygonal
+[[nodiscard]] Reference exact_reference(const Scene& scene, const View& view, const Light& light, Control& control);
 
 }  // namespace penumbra

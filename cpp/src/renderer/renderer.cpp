@@ -336,6 +336,9 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
 Reference Renderer::reference(std::size_t light, const ReferenceOptions& options, Control& control) {
     return impl_->thread_.run([&](Device& device) {
         const View& view = impl_->view(device);
+        if (options.method == ReferenceMethod::Exact) {
+            return exact_reference(*impl_->state_->scene, view, impl_->light(light), control);
+        }
         return trace_reference(impl_->ray_scene(control), *impl_->state_->scene, view, impl_->light(light), options,
                                control);
     });
