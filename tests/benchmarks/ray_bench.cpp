@@ -175,10 +175,10 @@ Captured capture(const Setup& s, int light_index, int count) {
     Captured captured;
     const LightPoints points{light, s.rays->frame()};
     const Strata strata = make_strata(count, false);
-    const Tiles tiles{s.view};
+    const Tiles tiles{*s.rays, s.view};
     std::vector<Receiver> receivers;
     for (std::int64_t tile = 0; tile < tiles.count(); ++tile) {
-        tiles.collect(*s.rays, s.view, mask, tile, receivers);
+        tiles.collect(mask, tile, receivers);
         const auto total = static_cast<std::int64_t>(receivers.size()) * count;
         for (std::int64_t first = 0; first < total; first += kRayLanes) {
             ReceiverLanes lanes{};

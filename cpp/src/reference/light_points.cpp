@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "reference/vector_clones.h"
+
 namespace penumbra {
 namespace {
 
@@ -19,12 +21,12 @@ struct Vec {
     float x, y, z;
 };
 
-float dot(const Vec& a, const Vec& b) noexcept {
+PENUMBRA_INLINE float dot(const Vec& a, const Vec& b) noexcept {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 /// Any two unit vectors across the unit vector z, without a branch [Duff2017].
-void across(const Vec& z, Vec& t, Vec& b) noexcept {
+PENUMBRA_INLINE void across(const Vec& z, Vec& t, Vec& b) noexcept {
     const float sign = std::copysign(1.0F, z.z);
     const float p = -1.0F / (sign + z.z);
     const float q = z.x * z.y * p;
@@ -34,7 +36,7 @@ void across(const Vec& z, Vec& t, Vec& b) noexcept {
 
 /// Unit square to unit disc, equal areas, squares of the grid stay compact [Shirley1997]. The angle is at most a
 /// quarter of a half turn, so short Taylor series are exact to float32; they vectorise where sin and cos do not.
-void concentric(float u, float v, float& x, float& y) noexcept {
+PENUMBRA_INLINE void concentric(float u, float v, float& x, float& y) noexcept {
     const float a = 2.0F * u - 1.0F;
     const float b = 2.0F * v - 1.0F;
     const bool wide = std::abs(a) > std::abs(b);
@@ -161,8 +163,8 @@ double LightPoints::scale(const glm::dvec3& position_ws) const noexcept {
 
 // Every case below is one branch-free loop over the lanes, so that the compiler makes vector code of it.
 template <bool Weighted>
-void LightPoints::aim_lanes(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays,
-                            [[maybe_unused]] float* weight) const noexcept {
+PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays,
+                                            [[maybe_unused]] float* weight) const noexcept {
     const ReceiverLanes& r = receivers;
     alignas(64) float dx[kRayLanes], dy[kRayLanes], dz[kRayLanes], end[kRayLanes]{};
 
@@ -322,12 +324,13 @@ void LightPoints::aim_lanes(const ReceiverLanes& receivers, const SampleLanes& s
     }
 }
 
-void LightPoints::aim(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays) const noexcept {
+PENUMBRA_VECTOR_CLONES void LightPoints::aim(const ReceiverLanes& receivers, const SampleLanes& samples,
+                                             RayPacket& rays) const noexcept {
     aim_lanes<false>(receivers, samples, rays, nullptr);
 }
 
-void LightPoints::aim(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays,
-                      float* weight) const noexcept {
+PENUMBRA_VECTOR_CLONES void LightPoints::aim(const ReceiverLanes& receivers, const SampleLanes& samples,
+                                             RayPacket& rays, float* weight) const noexcept {
     aim_lanes<true>(receivers, samples, rays, weight);
 }
 

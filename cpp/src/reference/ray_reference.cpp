@@ -10,8 +10,10 @@
 #include "base/parallel.h"
 #include "reference/light_mask.h"
 #include "reference/light_points.h"
+#include "reference/ray_batch.h"
 #include "reference/receivers.h"
 #include "reference/sampling.h"
+#include "reference/vector_clones.h"
 
 namespace penumbra {
 namespace {
@@ -35,13 +37,33 @@ struct Sums {
     double xx = 0.0, xw = 0.0, ww = 0.0;  ///< of the differences within pairs
 };
 
+/// Sample coordinates of eight strata, two samples each: lanes 0 .. 7 hold the first ones, lanes 8 .. 15 the second
+/// ones.
+PENUMBRA_VECTOR_CLONES void place_pairs(int first, int columns, int rows, std::uint32_t key,
+                                        SampleLanes& samples) noexcept {
+    const float width = 1.0F / static_cast<float>(columns);
+    const float height = 1.0F / static_cast<float>(rows);
+    alignas(64) float column[kPairs];
+    alignas(64) float row[kPairs];
+    for (int i = 0; i < kPairs; ++i) {
+        const int stratum = std::min(first + i, columns * rows - 1);
+        column[i] = static_cast<float>(stratum % columns);
+        row[i] = static_cast<float>(stratum / columns);
+    }
+    for (int i = 0; i < kRayLanes; ++i) {
+        float a;
+        float b;
+        uniform_pair(key, static_cast<std::uint32_t>(2 * first + i), a, b);
+        samples.u[i] = (column[i % kPairs] + a) * width;
+        samples.v[i] = (row[i % kPairs] + b) * height;
+    }
+}
+
 /// Casts side * side pairs of rays from one receiver. For a line light the strata are side * side intervals.
 class PixelTracer {
 public:
     PixelTracer(const RayScene& scene, const LightPoints& points, std::uint32_t seed)
-        : scene_{scene}, points_{points}, seed_{seed} {
-        std::fill(std::begin(rays_.mask), std::end(rays_.mask), ~0U);
-    }
+        : batch_{scene}, points_{points}, seed_{seed} {}
 
     Sums trace(const Receiver& receiver, int side, std::uint32_t stream) noexcept {
         for (int i = 0; i < kRayLanes; ++i) {
@@ -54,60 +76,56 @@ public:
             lanes_.offset[i] = receiver.offset;
         }
         const std::uint32_t key = sequence_key(receiver.pixel, seed_, stream);
-        const bool line = points_.one_dimensional();
         const int strata = side * side;
-        const float width = 1.0F / static_cast<float>(line ? strata : side);
-        const float height = line ? 1.0F : width;
+        const int columns = points_.one_dimensional() ? strata : side;
         Sums sums;
+        int packets = 0;
+        int first_of_batch = 0;
         for (int first = 0; first < strata; first += kPairs) {
-            const int pairs = std::min(kPairs, strata - first);
-            alignas(64) int valid[kRayLanes];
-            // Lanes 0 .. 7 are the first samples of eight strata, lanes 8 .. 15 the second ones.
-            for (int i = 0; i < kRayLanes; ++i) {
-                const int pair = i % kPairs;
-                const int stratum = std::min(first + pair, strata - 1);
-                const int column = line ? stratum : stratum % side;
-                const int row = line ? 0 : stratum / side;
-                float a;
-                float b;
-                uniform_pair(key, static_cast<std::uint32_t>(2 * stratum + i / kPairs), a, b);
-                samples_.u[i] = (static_cast<float>(column) + a) * width;
-                samples_.v[i] = (static_cast<float>(row) + b) * height;
-                valid[i] = pair < pairs ? -1 : 0;
+            place_pairs(first, columns, strata / columns, key, samples_);
+            points_.aim(lanes_, samples_, batch_.next(), &weight_[packets * kRayLanes]);
+            batch_.added(kRayLanes);
+            ++packets;
+            if (batch_.full() || first + kPairs >= strata) {
+                batch_.trace();
+                add(packets, strata - first_of_batch, sums);
+                first_of_batch = first + kPairs;
+                packets = 0;
             }
-            points_.aim(lanes_, samples_, rays_, weight_);
-            scene_.occluded(valid, rays_);
-            add(pairs, sums);
         }
         return sums;
     }
 
 private:
-    void add(int pairs, Sums& sums) const noexcept {
-        for (int i = 0; i < pairs; ++i) {
-            const bool seen_a = rays_.tfar[i] >= 0.0F;
-            const bool seen_b = rays_.tfar[i + kPairs] >= 0.0F;
-            const double wa = weight_[i];
-            const double wb = weight_[i + kPairs];
-            const double xa = seen_a ? wa : 0.0;
-            const double xb = seen_b ? wb : 0.0;
-            sums.seen += (seen_a ? 1U : 0U) + (seen_b ? 1U : 0U);
-            sums.differing += seen_a != seen_b ? 1U : 0U;
-            sums.w += wa + wb;
-            sums.x += xa + xb;
-            sums.xx += (xa - xb) * (xa - xb);
-            sums.xw += (xa - xb) * (wa - wb);
-            sums.ww += (wa - wb) * (wa - wb);
+    /// @param strata  how many of the batch's pairs count; the last packet's surplus ones repeat the last stratum
+    void add(int packets, int strata, Sums& sums) const noexcept {
+        for (int p = 0; p < packets; ++p) {
+            for (int i = 0; i < kPairs && p * kPairs + i < strata; ++i) {
+                const int a = p * kRayLanes + i;
+                const int b = a + kPairs;
+                const std::uint32_t seen_a = batch_.seen(a);
+                const std::uint32_t seen_b = batch_.seen(b);
+                const double wa = weight_[a];
+                const double wb = weight_[b];
+                const double xa = seen_a != 0 ? wa : 0.0;
+                const double xb = seen_b != 0 ? wb : 0.0;
+                sums.seen += seen_a + seen_b;
+                sums.differing += seen_a ^ seen_b;
+                sums.w += wa + wb;
+                sums.x += xa + xb;
+                sums.xx += (xa - xb) * (xa - xb);
+                sums.xw += (xa - xb) * (wa - wb);
+                sums.ww += (wa - wb) * (wa - wb);
+            }
         }
     }
 
-    const RayScene& scene_;
+    RayBatch batch_;
     const LightPoints& points_;
     std::uint32_t seed_;
     ReceiverLanes lanes_{};
     SampleLanes samples_{};
-    RayPacket rays_{};
-    alignas(64) float weight_[kRayLanes]{};
+    alignas(64) float weight_[RayBatch::kCapacity]{};
 };
 
 /// Strata per side that keep the standard deviation of a single stratum's feature at or below `error`.
@@ -189,14 +207,14 @@ template <class SideOf, class Store>
 void trace_pixels(const RayScene& rays, const View& view, const LightPoints& points, const ReferenceOptions& options,
                   const std::vector<std::uint8_t>& traced, std::uint32_t stream, Progress& progress, Control& control,
                   const SideOf& side_of, const Store& store) {
-    const Tiles tiles{view};
+    const Tiles tiles{rays, view};
     parallel_for(
         tiles.count(), 1,
         [&](std::int64_t begin, std::int64_t end) {
             PixelTracer tracer{rays, points, options.seed};
             std::vector<Receiver> receivers;
             for (std::int64_t tile = begin; tile < end; ++tile) {
-                tiles.collect(rays, view, traced, tile, receivers);
+                tiles.collect(traced, tile, receivers);
                 std::uint64_t cast = 0;
                 for (const Receiver& receiver : receivers) {
                     control.check();  // a pixel takes some 10 ms at the very most

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <unordered_map>
 
-#include "base/assert.h"
 #include "base/parallel.h"
 #include "reference/embree_library.h"
 #include "scene/bounds.h"
@@ -178,13 +177,6 @@ RayScene::RayScene(const Scene& scene, Control& control)
     }
     embree::throw_if_failed("collecting the instances");
     commit(top_.get(), control);
-}
-
-float RayScene::coordinate_bound(std::int32_t instance, std::int32_t triangle) const noexcept {
-    PENUMBRA_ASSERT(instance >= 0 && static_cast<std::size_t>(instance) < reach_.size());
-    const Reach& reach = reach_[static_cast<std::size_t>(instance)];
-    const auto index = static_cast<std::size_t>(triangle);
-    return index < reach.per_triangle.size() ? reach.per_triangle[index] : reach.all;
 }
 
 }  // namespace penumbra

@@ -30,7 +30,11 @@ public:
     /// True if nothing casts: everything is lit.
     [[nodiscard]] bool empty() const noexcept { return empty_; }
     /// Largest coordinate of a triangle in anchor units, the measure of its float32 rounding.
-    [[nodiscard]] float coordinate_bound(std::int32_t instance, std::int32_t triangle) const noexcept;
+    [[nodiscard]] float coordinate_bound(std::int32_t instance, std::int32_t triangle) const noexcept {
+        const Reach& reach = reach_[static_cast<std::size_t>(instance)];
+        const auto index = static_cast<std::size_t>(triangle);
+        return index < reach.per_triangle.size() ? reach.per_triangle[index] : reach.all;
+    }
     /// Triangles and instances in the acceleration structure.
     [[nodiscard]] std::size_t triangle_count() const noexcept { return triangle_count_; }
     [[nodiscard]] std::size_t instanced_count() const noexcept { return instanced_count_; }
@@ -40,6 +44,14 @@ public:
     void occluded(const int* valid, RayPacket& rays) const noexcept {
         if (!empty_) {
             table_->occluded16(valid, top_.get(), &rays);
+        }
+    }
+    /// Whether this Embree takes streams of single rays.
+    [[nodiscard]] bool has_streams() const noexcept { return table_->occluded_stream != nullptr; }
+    /// The same query for a stream; only if has_streams().
+    void occluded_stream(embree::Ray* rays, unsigned count) const noexcept {
+        if (!empty_) {
+            table_->occluded_stream(top_.get(), rays, count);
         }
     }
     /// The Embree scene itself, for benchmarks.

@@ -24,31 +24,33 @@ float largest(const glm::vec3& v) noexcept {
 
 }  // namespace
 
-Receiver make_receiver(const RayScene& scene, const View& view, std::size_t pixel) noexcept {
-    const AnchorFrame& frame = scene.frame();
-    const double per_unit = 1.0 / frame.unit_m;
-    const glm::dvec3 eye_an = (view.eye_ws - frame.origin_ws) * per_unit;
-    const glm::dvec3 from_eye_an = glm::dvec3(view.position_cr[pixel]) * per_unit;
-    const glm::vec3 position_an{eye_an + from_eye_an};
-    // A far camera rounds positions more coarsely than the scene's own coordinates do, and so does even float64 where a
-    // tiny scene lies far from the world's origin.
-    const double far_from_world =
-        std::max({std::abs(frame.origin_ws.x), std::abs(frame.origin_ws.y), std::abs(frame.origin_ws.z)}) * per_unit *
-        kRoundingRatio;
-    const float size =
-        std::max({largest(position_an), largest(glm::vec3(from_eye_an)), static_cast<float>(far_from_world),
-                  scene.coordinate_bound(view.instance[pixel], view.triangle[pixel])});
-    return {position_an, view.normal_ws[pixel], kOffsetRoundings * kRounding * size, static_cast<std::uint32_t>(pixel)};
+ReceiverMaker::ReceiverMaker(const RayScene& scene, const View& view) noexcept
+    : scene_{scene},
+      view_{view},
+      per_unit_{1.0 / scene.frame().unit_m},
+      eye_an_{(view.eye_ws - scene.frame().origin_ws) * per_unit_} {
+    const glm::dvec3 origin = glm::abs(scene.frame().origin_ws) * (per_unit_ * kRoundingRatio);
+    world_size_an_ = static_cast<float>(std::max({origin.x, origin.y, origin.z}));
 }
 
-Tiles::Tiles(const View& view) noexcept
-    : width_{view.width},
-      height_{view.height},
+Receiver ReceiverMaker::operator()(std::size_t pixel) const noexcept {
+    const glm::dvec3 from_eye_an = glm::dvec3(view_.position_cr[pixel]) * per_unit_;
+    const glm::vec3 position_an{eye_an_ + from_eye_an};
+    // A far camera rounds positions more coarsely than the scene's own coordinates do, and so does even float64 where
+    // a tiny scene lies far from the world's origin.
+    const float size = std::max({largest(position_an), largest(glm::vec3(from_eye_an)), world_size_an_,
+                                 scene_.coordinate_bound(view_.instance[pixel], view_.triangle[pixel])});
+    return {position_an, view_.normal_ws[pixel], kOffsetRoundings * kRounding * size,
+            static_cast<std::uint32_t>(pixel)};
+}
+
+Tiles::Tiles(const RayScene& scene, const View& view) noexcept
+    : make_{scene, view},
+      view_{view},
       across_{(view.width + kSide - 1) / kSide},
       down_{(view.height + kSide - 1) / kSide} {}
 
-void Tiles::collect(const RayScene& scene, const View& view, std::span<const std::uint8_t> mask, std::int64_t tile,
-                    std::vector<Receiver>& out) const {
+void Tiles::collect(std::span<const std::uint8_t> mask, std::int64_t tile, std::vector<Receiver>& out) const {
     out.clear();
     const int left = static_cast<int>(tile % across_) * kSide;
     const int bottom = static_cast<int>(tile / across_) * kSide;
@@ -59,12 +61,12 @@ void Tiles::collect(const RayScene& scene, const View& view, std::span<const std
         const int within = i % (kBlock * kBlock);
         const int x = left + block % kBlocks * kBlock + within % kBlock;
         const int y = bottom + block / kBlocks * kBlock + within / kBlock;
-        if (x >= width_ || y >= height_) {
+        if (x >= view_.width || y >= view_.height) {
             continue;
         }
-        const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + x;
-        if (mask[pixel] != 0 && view.hit(pixel)) {
-            out.push_back(make_receiver(scene, view, pixel));
+        const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + x;
+        if (mask[pixel] != 0 && view_.hit(pixel)) {
+            out.push_back(make_(pixel));
         }
     }
 }

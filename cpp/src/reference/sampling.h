@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "reference/vector_clones.h"
+
 namespace penumbra {
 
 /// Mixes all bits of a word: the finaliser of MurmurHash3 (public domain).
-[[nodiscard]] constexpr std::uint32_t mix(std::uint32_t x) noexcept {
+[[nodiscard]] PENUMBRA_INLINE constexpr std::uint32_t mix(std::uint32_t x) noexcept {
     x ^= x >> 16;
     x *= 0x85EBCA6BU;
     x ^= x >> 13;
@@ -25,7 +27,7 @@ namespace penumbra {
 
 /// Two independent numbers in (0, 1) for the i-th sample of a sequence: 16 bits each place a point within its
 /// stratum, which is finer than float32 resolves on the light once there are more than a few strata.
-constexpr void uniform_pair(std::uint32_t key, std::uint32_t index, float& a, float& b) noexcept {
+PENUMBRA_INLINE constexpr void uniform_pair(std::uint32_t key, std::uint32_t index, float& a, float& b) noexcept {
     const std::uint32_t bits = mix(key + index * 0x9E3779B9U);
     a = (static_cast<float>(static_cast<std::int32_t>(bits & 0xFFFFU)) + 0.5F) * (1.0F / 65536.0F);
     b = (static_cast<float>(static_cast<std::int32_t>(bits >> 16)) + 0.5F) * (1.0F / 65536.0F);

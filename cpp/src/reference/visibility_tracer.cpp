@@ -10,129 +10,158 @@
 #include "base/assert.h"
 #include "base/parallel.h"
 #include "reference/light_points.h"
+#include "reference/ray_batch.h"
 #include "reference/receivers.h"
 #include "reference/sampling.h"
+#include "reference/vector_clones.h"
 
 namespace penumbra {
 namespace {
 
-/// Cells in the order in which they are sampled.
+/// The cells of a run of samples, in the order in which they are cast, and once more from the beginning for as long as
+/// a packet: 16 consecutive rays then find their cells in a row wherever they start.
 struct Cells {
     std::vector<float> u, v, width, height;
+    std::vector<std::uint32_t> index;  ///< of the sample in its pixel's random sequence
+    int count = 0;
+
+    void add(float new_u, float new_v, float new_width, float new_height, int new_index) {
+        u.push_back(new_u);
+        v.push_back(new_v);
+        width.push_back(new_width);
+        height.push_back(new_height);
+        index.push_back(static_cast<std::uint32_t>(new_index));
+    }
 };
 
-/// @param spread  any beginning of the order covers the light evenly (for early-out) instead of row by row
-Cells make_cells(const TraceOptions& options, int count, bool one_dimensional) {
-    if (options.pattern == SamplePattern::Random) {
-        const auto n = static_cast<std::size_t>(count);
-        return {std::vector<float>(n, 0.0F), std::vector<float>(n, 0.0F), std::vector<float>(n, 1.0F),
-                std::vector<float>(n, 1.0F)};
-    }
+/// The samples [first, last) of `count`. With early-out any beginning of the order covers the light evenly, else the
+/// order is row by row.
+Cells make_cells(const TraceOptions& options, int count, int first, int last, bool one_dimensional) {
+    Cells cells;
+    cells.count = last - first;
     const Strata strata = make_strata(count, one_dimensional);
-    if (!options.early_out) {
-        return {strata.u, strata.v, strata.width, strata.height};
-    }
     // Steps near the golden section of a cycle without common divisor visit every cell once and evenly.
-    int step = std::max(1, static_cast<int>(0.6180339887 * count));
+    int step = options.early_out ? std::max(1, static_cast<int>(0.6180339887 * count)) : 1;
     while (std::gcd(step, count) != 1) {
         ++step;
     }
-    Cells cells;
-    for (int i = 0; i < count; ++i) {
-        const auto j = static_cast<std::size_t>(static_cast<std::int64_t>(i) * step % count);
-        cells.u.push_back(strata.u[j]);
-        cells.v.push_back(strata.v[j]);
-        cells.width.push_back(strata.width[j]);
-        cells.height.push_back(strata.height[j]);
+    for (int i = 0; i < cells.count + kRayLanes; ++i) {
+        const int sample = first + i % cells.count;
+        if (options.pattern == SamplePattern::Random) {
+            cells.add(0.0F, 0.0F, 1.0F, 1.0F, sample);
+            continue;
+        }
+        const auto j = static_cast<std::size_t>(static_cast<std::int64_t>(sample) * step % count);
+        cells.add(strata.u[j], strata.v[j], strata.width[j], strata.height[j], sample);
     }
     return cells;
+}
+
+/// Sample coordinates of 16 rays whose cells start at `first`.
+PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, const std::uint32_t* keys,
+                                          SampleLanes& samples) noexcept {
+    const float* u = &cells.u[first];
+    const float* v = &cells.v[first];
+    const float* width = &cells.width[first];
+    const float* height = &cells.height[first];
+    const std::uint32_t* index = &cells.index[first];
+    for (int i = 0; i < kRayLanes; ++i) {
+        float a;
+        float b;
+        uniform_pair(keys[i], index[i], a, b);
+        samples.u[i] = u[i] + width[i] * a;
+        samples.v[i] = v[i] + height[i] * b;
+    }
 }
 
 /// One thread's workspace for a tile.
 class TileTracer {
 public:
-    TileTracer(const RayScene& scene, const LightPoints& points, const Cells& cells, std::uint32_t seed)
-        : scene_{scene}, points_{points}, cells_{cells}, seed_{seed} {
-        std::fill(std::begin(rays_.time), std::end(rays_.time), 0.0F);
-        std::fill(std::begin(rays_.mask), std::end(rays_.mask), ~0U);
-        std::fill(std::begin(rays_.id), std::end(rays_.id), 0U);
-        std::fill(std::begin(rays_.flags), std::end(rays_.flags), 0U);
-    }
+    TileTracer(const RayScene& scene, const LightPoints& points, std::uint32_t seed)
+        : batch_{scene}, points_{points}, seed_{seed} {}
 
-    /// Adds the visible ones of the samples [first, last) of each listed receiver to `seen`.
-    void trace(std::span<const Receiver> receivers, std::span<const std::uint16_t> listed, int first, int last,
+    /// Adds the visible ones of the samples of `cells` of each listed receiver to `seen`.
+    void trace(std::span<const Receiver> receivers, std::span<const std::uint16_t> listed, const Cells& cells,
                std::span<std::uint32_t> seen) {
-        const int per_receiver = last - first;
         // Rays are numbered receiver by receiver, and packets are filled across receivers: no lane stays empty but in
         // the tile's last packet.
         std::size_t at = 0;
-        int sample = first;
-        std::array<std::uint16_t, kRayLanes> owner{};
-        std::int64_t left = static_cast<std::int64_t>(listed.size()) * per_receiver;
+        int sample = 0;
+        std::int64_t left = static_cast<std::int64_t>(listed.size()) * cells.count;
         while (left > 0) {
             const int lanes = static_cast<int>(std::min<std::int64_t>(kRayLanes, left));
-            int lane = 0;
-            while (lane < lanes) {
-                const std::uint16_t index = listed[at];
-                const int run = std::min(lanes - lane, last - sample);
-                fill(receivers[index], index, sample, lane, run, owner);
+            const int first_sample = sample;
+            for (int lane = 0; lane < lanes;) {
+                const std::uint16_t owner = listed[at];
+                const int run = std::min(lanes - lane, cells.count - sample);
+                fill(receivers[owner], owner, lane, run);
                 lane += run;
                 sample += run;
-                if (sample == last) {
-                    sample = first;
+                if (sample == cells.count) {
+                    sample = 0;
                     ++at;
                 }
             }
-            for (; lane < kRayLanes; ++lane) {  // idle lanes repeat the first ray, switched off
-                fill(receivers[owner[0]], owner[0], first, lane, 1, owner);
+            if (lanes < kRayLanes) {  // idle lanes repeat a ray that is none
+                fill(receivers[listed.back()], listed.back(), lanes, kRayLanes - lanes);
             }
-            shoot(lanes, owner, seen);
+            place_samples(cells, first_sample, keys_, samples_);
+            points_.aim(lanes_, samples_, batch_.next());
+            batch_.added(lanes);
             left -= lanes;
+            if (batch_.full() || left == 0) {
+                flush(seen);
+            }
         }
     }
 
 private:
-    void fill(const Receiver& receiver, std::uint16_t index, int sample, int lane, int run,
-              std::array<std::uint16_t, kRayLanes>& owner) noexcept {
+    void fill(const Receiver& receiver, std::uint16_t owner, int lane, int run) noexcept {
         const std::uint32_t key = sequence_key(receiver.pixel, seed_, 0);
-        for (int i = 0; i < run; ++i) {
-            const int to = lane + i;
-            owner[to] = index;
-            lanes_.px[to] = receiver.position_an.x;
-            lanes_.py[to] = receiver.position_an.y;
-            lanes_.pz[to] = receiver.position_an.z;
-            lanes_.nx[to] = receiver.normal.x;
-            lanes_.ny[to] = receiver.normal.y;
-            lanes_.nz[to] = receiver.normal.z;
-            lanes_.offset[to] = receiver.offset;
-            float a;
-            float b;
-            uniform_pair(key, static_cast<std::uint32_t>(sample + i), a, b);
-            samples_.u[to] = cells_.u[sample + i] + cells_.width[sample + i] * a;
-            samples_.v[to] = cells_.v[sample + i] + cells_.height[sample + i] * b;
+        std::uint16_t* owners = &owners_[static_cast<std::size_t>(batch_.count()) + lane];
+        if (run == kRayLanes) {
+            fill_lanes(receiver, key, owner, 0, kRayLanes, owners);
+        } else {
+            fill_lanes(receiver, key, owner, lane, lane + run, owners);
         }
     }
 
-    void shoot(int lanes, const std::array<std::uint16_t, kRayLanes>& owner, std::span<std::uint32_t> seen) noexcept {
-        points_.aim(lanes_, samples_, rays_);
-        alignas(64) int valid[kRayLanes];
-        for (int i = 0; i < kRayLanes; ++i) {
-            valid[i] = i < lanes ? -1 : 0;
-        }
-        scene_.occluded(valid, rays_);
-        for (int i = 0; i < lanes; ++i) {
-            seen[owner[i]] += rays_.tfar[i] >= 0.0F ? 1U : 0U;
+    PENUMBRA_INLINE void fill_lanes(const Receiver& receiver, std::uint32_t key, std::uint16_t owner, int from, int to,
+                                    std::uint16_t* owners) noexcept {
+        for (int i = from; i < to; ++i) {
+            lanes_.px[i] = receiver.position_an.x;
+            lanes_.py[i] = receiver.position_an.y;
+            lanes_.pz[i] = receiver.position_an.z;
+            lanes_.nx[i] = receiver.normal.x;
+            lanes_.ny[i] = receiver.normal.y;
+            lanes_.nz[i] = receiver.normal.z;
+            lanes_.offset[i] = receiver.offset;
+            keys_[i] = key;
+            owners[i - from] = owner;
         }
     }
 
-    const RayScene& scene_;
+    void flush(std::span<std::uint32_t> seen) noexcept {
+        const int count = batch_.count();
+        batch_.trace();
+        for (int i = 0; i < count; ++i) {
+            seen[owners_[i]] += batch_.seen(i);
+        }
+    }
+
+    RayBatch batch_;
     const LightPoints& points_;
-    const Cells& cells_;
     std::uint32_t seed_;
     ReceiverLanes lanes_{};
     SampleLanes samples_{};
-    RayPacket rays_{};
+    alignas(64) std::uint32_t keys_[kRayLanes]{};
+    std::array<std::uint16_t, RayBatch::kCapacity> owners_{};
 };
+
+/// Pixels of a piece of parallel work: few rays per pixel make large pieces, many rays a single tile.
+std::int64_t tiles_per_piece(int rays_per_pixel) noexcept {
+    return std::clamp(16 / rays_per_pixel, 1, 8);
+}
 
 }  // namespace
 
@@ -148,32 +177,37 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene&, const View& v
     const LightPoints points{light, rays.frame()};
     const int count = points.single_point() ? 1 : options.rays_per_pixel;
     const int first_count = options.early_out ? std::min(count, options.early_out_rays) : count;
-    const Cells cells = make_cells(options, count, points.one_dimensional());
-    const Tiles tiles{view};
+    const Cells first = make_cells(options, count, 0, first_count, points.one_dimensional());
+    const Cells rest =
+        first_count < count ? make_cells(options, count, first_count, count, points.one_dimensional()) : Cells{};
+    const Tiles tiles{rays, view};
     std::atomic<std::uint64_t> cast{0};
     std::atomic<std::int64_t> tiles_done{0};
 
     parallel_for(
-        tiles.count(), 1,
+        tiles.count(), tiles_per_piece(count),
         [&](std::int64_t begin, std::int64_t end) {
-            TileTracer tracer{rays, points, cells, options.seed};
+            TileTracer tracer{rays, points, options.seed};
             std::vector<Receiver> receivers;
             std::vector<std::uint16_t> listed;
             std::vector<std::uint32_t> seen;
+            std::vector<int> divisor;
+            std::uint64_t cast_here = 0;
             for (std::int64_t tile = begin; tile < end; ++tile) {
-                tiles.collect(rays, view, mask, tile, receivers);
+                control.check();
+                tiles.collect(mask, tile, receivers);
                 listed.resize(receivers.size());
                 std::iota(listed.begin(), listed.end(), std::uint16_t{0});
                 seen.assign(receivers.size(), 0);
-                tracer.trace(receivers, listed, 0, first_count, seen);
-                cast += listed.size() * static_cast<std::size_t>(first_count);
-                std::vector<int> divisor(receivers.size(), first_count);
+                divisor.assign(receivers.size(), first_count);
+                tracer.trace(receivers, listed, first, seen);
+                cast_here += listed.size() * static_cast<std::size_t>(first_count);
                 if (first_count < count) {
                     std::erase_if(listed, [&](std::uint16_t i) {
                         return seen[i] == 0 || seen[i] == static_cast<std::uint32_t>(first_count);
                     });
-                    tracer.trace(receivers, listed, first_count, count, seen);
-                    cast += listed.size() * static_cast<std::size_t>(count - first_count);
+                    tracer.trace(receivers, listed, rest, seen);
+                    cast_here += listed.size() * static_cast<std::size_t>(count - first_count);
                     for (const std::uint16_t i : listed) {
                         divisor[i] = count;
                     }
@@ -182,9 +216,10 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene&, const View& v
                     visibility[receivers[i].pixel] =
                         static_cast<float>(static_cast<double>(seen[i]) / static_cast<double>(divisor[i]));
                 }
-                const std::int64_t done = ++tiles_done;
-                control.report(static_cast<float>(done) / static_cast<float>(tiles.count()));
             }
+            cast += cast_here;
+            const std::int64_t done = tiles_done += end - begin;
+            control.report(static_cast<float>(done) / static_cast<float>(tiles.count()));
         },
         control);
     return cast;
