@@ -213,7 +213,7 @@ def bundled_scene(name: str) -> Path:
 
 
 def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
-    from . import compare, environment, native
+    from . import compare, doctor, environment, native
     from .files import why_not_writable
     from .progress import Progress
     from .records import Comparison, Failure
@@ -223,6 +223,9 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
     for path in paths:
         _check_exists(path)
     _check_folder(arguments.out, why_not_writable(arguments.out))
+    missing = doctor.missing_libraries()
+    if missing:
+        raise UserError(f"the report needs more Python packages; run: pip install {' '.join(missing)}")
     core = native.load()
     options = _options(core, arguments)
     renderer = _renderer(core, arguments.device)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -114,13 +114,13 @@ def _blender() -> Check:
     return Check("Blender", True, environment.blender_version())
 
 
+def missing_libraries() -> list[str]:
+    """Packages that a report needs and that are not installed. Looks, but loads none."""
+    return [package for module, package in _REPORT_LIBRARIES.items() if importlib.util.find_spec(module) is None]
+
+
 def _report() -> Check:
-    missing = []
-    for module, package in _REPORT_LIBRARIES.items():
-        try:
-            importlib.import_module(module)
-        except ImportError:
-            missing.append(package)
+    missing = missing_libraries()
     found = f"missing: {', '.join(missing)}" if missing else "all libraries present"
     return Check("report", not missing, found, f"pip install {' '.join(missing)}")
 

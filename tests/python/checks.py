@@ -28,10 +28,8 @@ def report_of(folder: Path) -> dict[str, Any]:
 
 def exr(path: Path) -> dict[str, np.ndarray]:
     """Channels of an EXR by name, bottom row first."""
-    return {
-        name: channel.pixels[::-1]
-        for name, channel in OpenEXR.File(str(path), separate_channels=True).channels().items()
-    }
+    channels = OpenEXR.File(str(path), separate_channels=True).channels()
+    return {name: channel.pixels[::-1] for name, channel in channels.items()}
 
 
 def check_files(folder: Path) -> None:

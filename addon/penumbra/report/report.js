@@ -445,7 +445,7 @@
         for (let digit = 1; digit < 10; digit++) {
           const value = digit * 10 ** power, place = Math.log10(value);
           if (place < low || place > high) continue;
-          const named = digit === 1 || digit === 2 && high - low < 2.6 || digit === 5 && high - low < 2.6 || !wide && digit % 2 === 0 || high - low < 0.7;
+          const named = digit === 1 || digit === 2 && high - low < 3.2 || digit === 5 && high - low < 3.2 || !wide && digit % 2 === 0 || high - low < 0.7;
           const [xa, ya, xb, yb] = line(value);
           out.push(`<line class="${digit === 1 ? "grid" : "minor"}" x1="${xa}" y1="${ya}" x2="${xb}" y2="${yb}"/>`);
           if (named) { const [x, y, anchor] = label(value); out.push(`<text x="${x}" y="${y}" text-anchor="${anchor}">${name(value)}</text>`); }
