@@ -59,6 +59,7 @@ class SceneExport:
     frame: int
     objects: int = 0  # instances sent
     meshes: int = 0  # different meshes sent
+    instance_names: list[str] = field(default_factory=list)  # unique, by the core's instance index
 
 
 def read_scene(
@@ -124,8 +125,8 @@ class _Reader:
         self.materials = materials.Reader(self.notes)
         self.world_boxes: list[DoubleArray] = []
         self.counters: dict[tuple[str, str], int] = {}
-        self.names: set[str] = set()
-        self.light_set: set[str] = set()
+        self.names: dict[str, None] = {}  # an ordered set
+        self.light_set: dict[str, None] = {}
         self.triangles = 0
         self.objects = 0
         self.known_switches: dict[int, tuple[bool, bool, bool, bool]] = {}
@@ -152,6 +153,7 @@ class _Reader:
             frame=int(self.blender_scene.frame_current),
             objects=self.objects,
             meshes=meshes,
+            instance_names=list(self.names),
         )
 
     # ---------------------------------------------------------------------------------------------- one instance
@@ -212,12 +214,12 @@ class _Reader:
         return self._unique(name, self.names)
 
     @staticmethod
-    def _unique(name: str, taken: set[str]) -> str:
+    def _unique(name: str, taken: dict[str, None]) -> str:
         unique, number = name, 1
         while unique in taken:
             number += 1
             unique = f"{name} ({number})"
-        taken.add(unique)
+        taken[unique] = None
         return unique
 
     def _switches(self, instance: Any) -> tuple[bool, bool, bool]:

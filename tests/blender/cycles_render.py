@@ -15,7 +15,7 @@ def direct_diffuse(
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
     """The pass "Diffuse Direct" of the open scene and the object index of every pixel (0 where nothing is seen).
 
-    Shapes (height, width, 3) and (height, width), first row at the bottom. The filter is a box of a hundredth of a
+    Shapes (height, width, 3) and (height, width), first row at the bottom. The filter is a hundredth of a
     pixel, so that every sample sees the pixel's centre, as the core's view does.
     """
     scene = bpy.context.scene
@@ -26,7 +26,8 @@ def direct_diffuse(
     cycles.seed = seed
     cycles.use_adaptive_sampling = False
     cycles.use_denoising = False
-    cycles.pixel_filter_type = "BOX"
+    # Cycles gives a box filter the width of a pixel whatever is asked for; the others obey.
+    cycles.pixel_filter_type = "GAUSSIAN"
     cycles.filter_width = 0.01
     cycles.max_bounces = 0
     cycles.use_light_tree = False

@@ -79,7 +79,7 @@ def planar_outline(positions: DoubleArray, triangles: npt.NDArray[np.uint32]) ->
 
 
 def _convex_hull(points: DoubleArray, tolerance: float) -> DoubleArray:
-    """Counter-clockwise hull (monotone chain) of points sorted by x then y, without those within tolerance of an edge."""
+    """Counter-clockwise hull (monotone chain) of points sorted by x then y; points near an edge are dropped."""
 
     def chain(sequence: DoubleArray) -> list[DoubleArray]:
         hull: list[DoubleArray] = []
