@@ -363,7 +363,8 @@ def write_table(page: Path, rows: list[Agreement], samples: int) -> None:
     import bpy
 
     head = (
-        "| scene | light | pixels | left out | bias | median | p99.9 | max | noise | > 4 σ at edges | > 4 σ elsewhere |\n"
+        "| scene | light | pixels | left out | bias | median | p99.9 | max | noise "
+        "| > 4 σ at edges | > 4 σ elsewhere |\n"
         "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
     )
     made = (

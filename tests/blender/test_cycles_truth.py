@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -15,8 +14,8 @@ PAIRS = [(scene, case) for scene in SCENES for case in CASES if scene == "cards"
 
 
 @pytest.fixture(scope="module")
-def renderer() -> Iterator[Any]:
-    yield core.Renderer()
+def renderer() -> Any:
+    return core.Renderer()
 
 
 @pytest.mark.parametrize(("scene", "case"), PAIRS, ids=[f"{scene}: {case.name}" for scene, case in PAIRS])
