@@ -142,8 +142,8 @@ def page(outcomes: list[Outcome], size: str, reference_error: float, environment
         f"{len(outcomes) - good - refused} otherwise. {size} pixels, reference at a standard error of "
         f"{reference_error:g}. {environment}",
         "",
-        "*Penumbra*: share of the compared pixels where the reference is neither lit nor dark. Under a technique's name:",
-        "the RMSE of its visibility over all compared pixels of all lights.",
+        "*Penumbra*: share of the compared pixels where the reference is neither lit nor dark. Under a technique's",
+        "name: the RMSE of its visibility over all compared pixels of all lights.",
         "",
         "| file | from | triangles | lights | exit code | penumbra | " + " | ".join(techniques) + " | time |",
         "|---|---|---:|---|---:|---:|" + "---:|" * len(techniques) + "---:|",
