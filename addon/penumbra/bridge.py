@@ -123,7 +123,7 @@ class _Reader:
         self.light_names: list[str] = []
         self.geometry: dict[Any, _Geometry | str] = {}
         self.materials = materials.Reader(self.notes)
-        self.world_boxes: list[DoubleArray] = []
+        self.seen: list[tuple[_Geometry, DoubleArray]] = []  # with the transform
         self.counters: dict[tuple[str, str], int] = {}
         self.names: dict[str, None] = {}  # an ordered set
         self.light_set: dict[str, None] = {}
@@ -202,7 +202,7 @@ class _Reader:
         self.objects += 1
         self.triangles += geometry.count
         if visible:
-            self.world_boxes.append(geometry.corners() @ world_from_local[:3, :3].T + world_from_local[:3, 3])
+            self.seen.append((geometry, world_from_local))
 
     def _name(self, instance: Any) -> str:
         """The object's name; instances say what made them, and which of them they are."""
@@ -516,9 +516,10 @@ class _Reader:
         return self.blender_scene.objects[wanted].evaluated_get(self.depsgraph)
 
     def _box_points(self) -> DoubleArray:
-        if not self.world_boxes:
+        """Corners of the bounding boxes of all that is visible; of a cube round the origin if nothing is."""
+        if not self.seen:
             return np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
-        return np.concatenate(self.world_boxes)
+        return np.concatenate([geometry.corners() @ m[:3, :3].T + m[:3, 3] for geometry, m in self.seen])
 
     def _place_camera(self, camera: Any, frame: Frame) -> None:
         placed = placing.frame_everything(self._box_points(), frame)
