@@ -6,6 +6,13 @@
 
 layout(std140, binding = 1) uniform Map { MapBlock map; };
 
+// A constant index where there is one face: an index that varies would be gathered pixel by pixel.
+#if MAP_FACES == 1
+#define MAP_FACE(i) map.faces[0]
+#else
+#define MAP_FACE(i) map.faces[i]
+#endif
+
 struct MapPoint {
     int face;         // layer of the map, -1: in none of the faces
     vec2 texel;       // continuous texel coordinates, centres at integer + 0.5
@@ -17,7 +24,7 @@ struct MapPoint {
 };
 
 MapPoint find_in_face(int face_index, vec3 p_rel, vec3 n_ws) {
-    MapFaceBlock face = map.faces[face_index];
+    MapFaceBlock face = MAP_FACE(face_index);
     vec3 p = vec3(dot(face.x_ls_from_rel.xyz, p_rel), dot(face.y_ls_from_rel.xyz, p_rel),
                   dot(face.z_ls_from_rel.xyz, p_rel));
     vec2 n = vec2(dot(face.x_ls_from_rel.xyz, n_ws), dot(face.y_ls_from_rel.xyz, n_ws));
@@ -65,15 +72,15 @@ vec3 to_light(vec3 p_cr) {
 // Window depth (reversed: 1 near, 0 far) of a linear depth; greater is nearer to the light.
 float window_depth(int face_index, float z_ls) {
 #if MAP_ORTHOGRAPHIC
-    vec4 range_m = map.faces[face_index].range_m;
+    vec4 range_m = MAP_FACE(face_index).range_m;
     return (range_m.y - z_ls) / (range_m.y - range_m.x);
 #else
-    return map.faces[face_index].range_m.x / max(z_ls, 1e-30);
+    return MAP_FACE(face_index).range_m.x / max(z_ls, 1e-30);
 #endif
 }
 
 float linear_depth(int face_index, float depth) {
-    vec4 range_m = map.faces[face_index].range_m;
+    vec4 range_m = MAP_FACE(face_index).range_m;
 #if MAP_ORTHOGRAPHIC
     return range_m.y - depth * (range_m.y - range_m.x);
 #else

@@ -3,8 +3,7 @@
 namespace penumbra {
 
 void Frame::bind_view() const {
-    in_.view_pass.position().bind(0);
-    in_.view_pass.normal().bind(1);
+    in_.view_pass.receiver().bind(0);
 }
 
 void Frame::resolve_with(const Program& program) {

@@ -63,7 +63,7 @@ public:
         check_gl(name);
     }
 
-    /// Position and geometric normal of the view at texture units 0 and 1.
+    /// The view's receivers at texture unit 0, for read_receiver().
     void bind_view() const;
     /// bind_view() and write_visibility_with().
     void resolve_with(const Program& program);

@@ -48,6 +48,7 @@ void ViewPass::allocate(int width_px, int height_px) {
     normal_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view normal");
     shading_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view shading normal");
     albedo_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view albedo");
+    receiver_ = TextureImage::make_2d(GL_RGBA32UI, width_px, height_px, "view receiver");
     ids_target_ = RenderTarget{"view ids"};
     ids_target_.attach_colour(0, ids_);
     ids_target_.attach_depth(depth_);
@@ -56,6 +57,7 @@ void ViewPass::allocate(int width_px, int height_px) {
     surface_target_.attach_colour(1, normal_);
     surface_target_.attach_colour(2, shading_);
     surface_target_.attach_colour(3, albedo_);
+    surface_target_.attach_colour(4, receiver_);
 }
 
 void ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, FullscreenPass& fullscreen) {
@@ -140,7 +142,8 @@ View ViewPass::read() const {
 }
 
 std::size_t ViewPass::memory_bytes() const noexcept {
-    return ids_.bytes() + depth_.bytes() + position_.bytes() + normal_.bytes() + shading_.bytes() + albedo_.bytes();
+    return ids_.bytes() + depth_.bytes() + position_.bytes() + normal_.bytes() + shading_.bytes() + albedo_.bytes() +
+           receiver_.bytes();
 }
 
 }  // namespace penumbra

@@ -20,6 +20,7 @@ public:
     [[nodiscard]] const TextureImage& shading_normal() const noexcept { return shading_; }   ///< RGBA32F
     [[nodiscard]] const TextureImage& albedo() const noexcept { return albedo_; }            ///< RGBA32F, linear
     [[nodiscard]] const TextureImage& ids() const noexcept { return ids_; }                  ///< RG32UI
+    [[nodiscard]] const TextureImage& receiver() const noexcept { return receiver_; }        ///< see lib/receiver.glsl
     [[nodiscard]] const glm::dvec3& eye_ws() const noexcept { return eye_ws_; }
 
     /// Copy in main memory; waits for the GPU.
@@ -29,7 +30,7 @@ public:
 private:
     void allocate(int width_px, int height_px);
 
-    TextureImage ids_, depth_, position_, normal_, shading_, albedo_;
+    TextureImage ids_, depth_, position_, normal_, shading_, albedo_, receiver_;
     RenderTarget ids_target_, surface_target_;
     StorageBuffer instances_, exact_instances_;
     glm::dvec3 eye_ws_{0.0};

@@ -1,5 +1,6 @@
 // Second half of the view: position and normals from the seen triangle, in float64, so that neither large triangles
 // nor a scene far from the origin cost precision; only results relative to the eye become float32.
+#include "lib/receiver.glsl"
 #include "shared/instance_block.h"
 
 layout(std430, binding = 0) readonly buffer Instances { InstanceExact instances[]; };
@@ -21,6 +22,7 @@ layout(location = 0) out vec4 position_cr;
 layout(location = 1) out vec4 normal_ws;
 layout(location = 2) out vec4 shading_normal_ws;
 layout(location = 3) out vec4 albedo;
+layout(location = 4) out uvec4 receiver;
 
 dvec3 to_eye(InstanceExact instance, vec3 p_local) {
     dvec4 p = dvec4(dvec3(p_local), 1.0lf);
@@ -44,6 +46,7 @@ void main() {
     normal_ws = vec4(0.0);
     shading_normal_ws = vec4(0.0);
     albedo = vec4(0.0);
+    receiver = uvec4(0u);
     if (ids.x == 0u) {
         return;
     }
@@ -91,6 +94,7 @@ void main() {
     uint slot = instance.first_material == 0xffffffffu ? 0u : materials[instance.first_material + ids.y];
     position_cr = vec4(vec3(p), 1.0);
     normal_ws = vec4(vec3(n), 0.0);
+    receiver = uvec4(floatBitsToUint(vec3(p)), pack_normal(vec3(n)));
     shading_normal_ws = vec4(vec3(shading), 0.0);
     albedo = vec4(albedos[instance.first_albedo + min(slot, instance.albedo_count - 1u)].rgb, 1.0);
 }

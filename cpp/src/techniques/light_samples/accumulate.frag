@@ -1,9 +1,9 @@
 // One sample point of the light [HeckbertHerf1997]: its hard shadow, weighted, is added to the sum by blending.
 #include "lib/map_lookup.glsl"
 #include "lib/bias.glsl"
+#include "lib/receiver.glsl"
 
-layout(binding = 0) uniform sampler2D position_texture;
-layout(binding = 1) uniform sampler2D normal_texture;
+layout(binding = 0) uniform usampler2D receivers;
 layout(binding = 2) uniform sampler2DArray depth_map;
 uniform int first_layer;
 #if SPHERE
@@ -15,17 +15,15 @@ uniform float sphere_radius_m;
 layout(location = 0) out vec2 sums;  // x weighted visibility, y weight
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 position = texelFetch(position_texture, pixel, 0);
-    vec3 n_ws = texelFetch(normal_texture, pixel, 0).xyz;
+    Receiver receiver = read_receiver(receivers, ivec2(gl_FragCoord.xy));
     float weight = 1.0;
 #if SPHERE
     // The distance is measured in radii, so that no scale of the scene leaves float32's range.
-    vec3 l = to_light(position.xyz) / sphere_radius_m;
+    vec3 l = to_light(receiver.position_cr) / sphere_radius_m;
     float distance_squared = dot(l, l);
     weight = max(0.0, -dot(sphere_normal_ws, l)) / max(distance_squared * sqrt(distance_squared), 1e-30);
 #endif
-    MapPoint at = find_biased(position.xyz, n_ws);
+    MapPoint at = find_biased(receiver.position_cr, receiver.normal_ws);
     bool outside = at.face < 0;
     int face = max(at.face, 0);
     ivec2 texel = clamp(ivec2(at.texel), ivec2(0), ivec2(map.counts.y - 1));
@@ -35,6 +33,6 @@ void main() {
 #if FACING_TEST
     dark = dark || at.towards_m <= 0.0;
 #endif
-    weight = position.w != 0.0 ? weight : 1.0;
-    sums = vec2(position.w != 0.0 && dark ? 0.0 : weight, weight);
+    weight = receiver.seen ? weight : 1.0;
+    sums = vec2(receiver.seen && dark ? 0.0 : weight, weight);
 }

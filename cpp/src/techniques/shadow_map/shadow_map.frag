@@ -1,9 +1,9 @@
 // Hard shadow map [Williams1978]: one comparison with the nearest texel.
 #include "lib/map_lookup.glsl"
 #include "lib/bias.glsl"
+#include "lib/receiver.glsl"
 
-layout(binding = 0) uniform sampler2D position_texture;
-layout(binding = 1) uniform sampler2D normal_texture;
+layout(binding = 0) uniform usampler2D receivers;
 layout(binding = 2) uniform sampler2DArray depth_map;
 #if BIAS_MODE == 6
 layout(binding = 3) uniform sampler2DArray second_map;
@@ -12,12 +12,9 @@ layout(binding = 3) uniform sampler2DArray second_map;
 layout(location = 0) out float visibility;
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 position = texelFetch(position_texture, pixel, 0);
-    vec3 n_ws = texelFetch(normal_texture, pixel, 0).xyz;
-    MapPoint at = find_biased(position.xyz, n_ws);
+    Receiver receiver = read_receiver(receivers, ivec2(gl_FragCoord.xy));
+    MapPoint at = find_biased(receiver.position_cr, receiver.normal_ws);
     // No early return: where pixels of one block part ways, a rasteriser on the CPU pays for both.
-    bool asked = position.w != 0.0;
     bool outside = at.face < 0;
     ivec2 texel = clamp(ivec2(at.texel), ivec2(0), ivec2(map.counts.y - 1));
     int layer = max(at.face, 0);
@@ -34,5 +31,5 @@ void main() {
 #if FACING_TEST
     dark = dark || at.towards_m <= 0.0;
 #endif
-    visibility = asked && dark ? 0.0 : 1.0;
+    visibility = receiver.seen && dark ? 0.0 : 1.0;
 }
