@@ -43,8 +43,8 @@ py::dict errors(const std::vector<Array<float>>& visibility, const Array<float>&
         images.push_back(image_span(image, height, width, "visibility"));
     }
     const auto truth = image_span(reference, height, width, "reference");
-    const auto deviation = standard_error ? image_span(*standard_error, height, width, "standard_error")
-                                          : std::span<const float>{};
+    const auto deviation =
+        standard_error ? image_span(*standard_error, height, width, "standard_error") : std::span<const float>{};
     const std::span<const std::uint8_t> asked{mask.data(), static_cast<std::size_t>(mask.size())};
     ErrorSummary summary;
     {

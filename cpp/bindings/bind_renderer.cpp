@@ -91,8 +91,8 @@ py::array mask(PyRenderer& self, std::size_t light) {
 }
 
 py::dict summary(PyRenderer& self, std::size_t light, bool keep_everything) {
-    const LightReport r = wait_for(
-        [&](Control& c) { return self.renderer.light_report(light, keep_everything, c); }, py::none(), "summary");
+    const LightReport r = wait_for([&](Control& c) { return self.renderer.light_report(light, keep_everything, c); },
+                                   py::none(), "summary");
     return py::dict("lit_pixels"_a = r.lit_pixels, "pixels"_a = r.pixels, "casters"_a = r.casters,
                     "casters_left_out"_a = r.casters_outside, "caster_triangles"_a = r.caster_triangles,
                     "has_extent"_a = r.has_extent, "trivial_rule"_a = r.trivial_rule,
@@ -102,8 +102,8 @@ py::dict summary(PyRenderer& self, std::size_t light, bool keep_everything) {
 py::dict visibility(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
                     bool keep_everything, const py::object& progress) {
     const Job job{technique, settings_from(settings)};
-    VisibilityResult r =
-        wait_for([&](Control& c) { return self.renderer.visibility(light, job, keep_everything, c); }, progress, technique);
+    VisibilityResult r = wait_for([&](Control& c) { return self.renderer.visibility(light, job, keep_everything, c); },
+                                  progress, technique);
     const py::dict times("setup"_a = r.setup_ms, "update"_a = r.update_ms, "resolve"_a = r.resolve_ms);
     return py::dict("visibility"_a = self.image(std::move(r.visibility)), "settings"_a = to_python(r.settings),
                     "plan"_a = to_python(r.plan), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
@@ -119,8 +119,9 @@ py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pai
     timing.max_seconds = max_seconds;
     timing.min_runs = min_runs;
     timing.max_runs = max_runs;
-    const auto results = wait_for(
-        [&](Control& c) { return self.renderer.measure(light, wanted, keep_everything, timing, c); }, progress, "measuring");
+    const auto results =
+        wait_for([&](Control& c) { return self.renderer.measure(light, wanted, keep_everything, timing, c); }, progress,
+                 "measuring");
     py::list all;
     for (const Measurement& m : results) {
         all.append(py::dict("setup"_a = to_python(m.setup), "dynamic"_a = to_python(m.dynamic_frame),
@@ -133,8 +134,10 @@ py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pai
 py::dict reference(PyRenderer& self, std::size_t light, double standard_error, std::uint32_t seed,
                    int max_rays_per_pixel, bool keep_everything, bool exact, const py::object& progress) {
     const ReferenceOptions options{.method = exact ? ReferenceMethod::Exact : ReferenceMethod::RayTraced,
-                                   .standard_error = standard_error, .seed = seed,
-                                   .max_rays_per_pixel = max_rays_per_pixel, .keep_everything = keep_everything};
+                                   .standard_error = standard_error,
+                                   .seed = seed,
+                                   .max_rays_per_pixel = max_rays_per_pixel,
+                                   .keep_everything = keep_everything};
     Reference r =
         wait_for([&](Control& c) { return self.renderer.reference(light, options, c); }, progress, "reference");
     return py::dict("method"_a = r.method, "area"_a = self.image(std::move(r.area)),
@@ -182,10 +185,13 @@ void bind_renderer(py::module_& m) {
         .def("view", &view, "progress"_a = py::none())
         .def("mask", &mask, "light"_a, "(h, w) uint8: 1 where this light's visibility is asked.")
         .def("summary", &summary, "light"_a, "keep_everything"_a = false)
-        .def("supports", [](PyRenderer& self, std::size_t light,
-                            const std::string& technique) { return self.renderer.supports(light, technique); },
-             "light"_a, "technique"_a, py::call_guard<py::gil_scoped_release>(),
-             "Empty, or why the technique cannot serve the light.")
+        .def(
+            "supports",
+            [](PyRenderer& self, std::size_t light, const std::string& technique) {
+                return self.renderer.supports(light, technique);
+            },
+            "light"_a, "technique"_a, py::call_guard<py::gil_scoped_release>(),
+            "Empty, or why the technique cannot serve the light.")
         .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "keep_everything"_a = false, "progress"_a = py::none(),
              "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, memory_bytes, time_ms}.")

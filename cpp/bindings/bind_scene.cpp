@@ -21,7 +21,8 @@ std::shared_ptr<Mesh> make_mesh(std::string name, const Array<float>& positions,
         mesh->corner_normals_local = vectors_from<glm::vec3, float, 3>(*corner_normals, "corner_normals");
     }
     if (triangle_material) {
-        mesh->triangle_material.assign(triangle_material->data(), triangle_material->data() + triangle_material->size());
+        mesh->triangle_material.assign(triangle_material->data(),
+                                       triangle_material->data() + triangle_material->size());
     }
     const py::gil_scoped_release release;
     validate(*mesh);
@@ -52,13 +53,12 @@ std::uint64_t triangle_count(const Scene& scene) {
 
 template <class Owner>
 auto vector_property(glm::dvec3 Owner::*member, const char* name) {
-    return std::pair{[member](const Owner& owner) {
-                         const glm::dvec3& v = owner.*member;
-                         return std::array<double, 3>{v.x, v.y, v.z};
-                     },
-                     [member, name](Owner& owner, const std::vector<double>& values) {
-                         owner.*member = dvec3_from(values, name);
-                     }};
+    return std::pair{
+        [member](const Owner& owner) {
+            const glm::dvec3& v = owner.*member;
+            return std::array<double, 3>{v.x, v.y, v.z};
+        },
+        [member, name](Owner& owner, const std::vector<double>& values) { owner.*member = dvec3_from(values, name); }};
 }
 
 void set_kind(Light& light, const std::string& name) {
@@ -76,12 +76,12 @@ void bind_light(py::module_& m) {
     const auto half_u = vector_property(&Light::half_u_ws, "half_u_ws");
     const auto half_v = vector_property(&Light::half_v_ws, "half_v_ws");
     const auto power = vector_property(&Light::power_w, "power_w");
-    py::class_<Light>(m, "Light", "One light, in world space: metres, radians, watts. See cpp/include/penumbra/light.h.")
+    py::class_<Light>(m, "Light",
+                      "One light, in world space: metres, radians, watts. See cpp/include/penumbra/light.h.")
         .def(py::init<>())
         .def_readwrite("name", &Light::name)
         .def_property(
-            "kind", [](const Light& light) { return std::string{to_string(light.kind)}; },
-            &set_kind)
+            "kind", [](const Light& light) { return std::string{to_string(light.kind)}; }, &set_kind)
         .def_property("position_ws", position.first, position.second)
         .def_property("direction_ws", direction.first, direction.second)
         .def_property("half_u_ws", half_u.first, half_u.second)
@@ -108,8 +108,12 @@ void bind_light(py::module_& m) {
         .def_readwrite("spot_blend", &Light::spot_blend)
         .def_property(
             "spot_stretch",
-            [](const Light& light) { return std::array<double, 2>{light.spot_stretch.x, light.spot_stretch.y}; },
-            [](Light& light, const std::array<double, 2>& value) { light.spot_stretch = {value[0], value[1]}; })
+            [](const Light& light) {
+                return std::array<double, 2>{light.spot_stretch.x, light.spot_stretch.y};
+            },
+            [](Light& light, const std::array<double, 2>& value) {
+                light.spot_stretch = {value[0], value[1]};
+            })
         .def_readwrite("casts_shadow", &Light::casts_shadow);
 }
 
@@ -150,10 +154,11 @@ void bind_scene(py::module_& m) {
     bind_light(m);
     bind_camera(m);
     py::class_<Mesh, std::shared_ptr<Mesh>>(m, "Mesh", "Triangles in their own space, shared by all their instances.")
-        .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("triangles"),
-             py::arg("corner_normals") = py::none(), py::arg("triangle_material") = py::none(),
-             "positions (n, 3) float32; triangles (m, 3) uint32; corner_normals (3 m, 3) float32 or None (flat);\n"
-             "triangle_material (m,) uint16 or None. Raises InvalidScene for indices out of range, NaN or wrong shapes.")
+        .def(
+            py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("triangles"),
+            py::arg("corner_normals") = py::none(), py::arg("triangle_material") = py::none(),
+            "positions (n, 3) float32; triangles (m, 3) uint32; corner_normals (3 m, 3) float32 or None (flat);\n"
+            "triangle_material (m,) uint16 or None. Raises InvalidScene for indices out of range, NaN or wrong shapes.")
         .def_readonly("name", &Mesh::name)
         .def_property_readonly("vertex_count", [](const Mesh& mesh) { return mesh.positions_local.size(); })
         .def_property_readonly("triangle_count", [](const Mesh& mesh) { return mesh.triangles.size(); });
@@ -162,10 +167,12 @@ void bind_scene(py::module_& m) {
         .def("add_instance", &add_instance, py::arg("name"), py::arg("mesh"), py::arg("world_from_local"),
              py::arg("albedo"), py::arg("casts") = true, py::arg("receives") = true, py::arg("visible") = true,
              "world_from_local (4, 4) float64; albedo (k, 3) float32, linear, one row per material slot.")
-        .def("add_light", [](Scene& scene, const Light& light) { scene.lights.push_back(light); }, py::arg("light"))
+        .def(
+            "add_light", [](Scene& scene, const Light& light) { scene.lights.push_back(light); }, py::arg("light"))
         .def_readwrite("lights", &Scene::lights)
         .def_readwrite("camera", &Scene::camera)
-        .def("validate", [](Scene& scene) { validate(scene); }, py::call_guard<py::gil_scoped_release>())
+        .def(
+            "validate", [](Scene& scene) { validate(scene); }, py::call_guard<py::gil_scoped_release>())
         .def("digest", &scene_digest, py::call_guard<py::gil_scoped_release>(),
              "Hash over all that influences an image: equal digests give equal images.")
         .def_property_readonly("triangle_count", &triangle_count)

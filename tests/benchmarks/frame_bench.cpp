@@ -26,7 +26,8 @@ Scene ball_over_ground(int rings) {
     scene.instances.push_back(scenes::place(scenes::sphere(rings, false), "ball", {0.3, 0.2, 1.4}));
     scene.lights.push_back(scenes::rectangle_light({0.5, -0.5, 6.0}, 1.0, 1.0));
     const double a = 0.8;
-    const glm::dmat4 tilt{{1, 0, 0, 0}, {0, std::cos(a), std::sin(a), 0}, {0, -std::sin(a), std::cos(a), 0}, {0, 0, 0, 1}};
+    const glm::dmat4 tilt{
+        {1, 0, 0, 0}, {0, std::cos(a), std::sin(a), 0}, {0, -std::sin(a), std::cos(a), 0}, {0, 0, 0, 1}};
     scene.camera.world_from_camera = tilt;
     scene.camera.world_from_camera[3] = tilt * glm::dvec4{0, 0, 9, 1};
     scene.camera.tan_half_width = 0.4;
@@ -40,9 +41,11 @@ const ShaderSources& bare_shaders() {
          "layout(location = 0) in vec3 p; uniform mat4 m; void main() { gl_Position = m * vec4(p, 1.0); }"},
         {"depth.frag", "void main() {}"},
         {"full.vert",
-         "void main() { vec2 c = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2); gl_Position = vec4(c * 2.0 - 1.0, 0.5, 1.0); }"},
+         "void main() { vec2 c = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2); gl_Position = vec4(c * 2.0 - 1.0, 0.5, "
+         "1.0); }"},
         {"lookup.frag",
-         "layout(binding = 0) uniform sampler2D position; layout(binding = 1) uniform sampler2D depth; uniform mat4 m;\n"
+         "layout(binding = 0) uniform sampler2D position; layout(binding = 1) uniform sampler2D depth; uniform mat4 "
+         "m;\n"
          "layout(location = 0) out float v;\n"
          "void main() {\n"
          "    vec4 p = texelFetch(position, ivec2(gl_FragCoord.xy), 0);\n"
@@ -162,8 +165,9 @@ void compare(int rings) {
     }
     thread.run([&](Device&) { bare.reset(); });
     const TimeSummary a = summarise_times(ours), b = summarise_times(theirs), s = summarise_times(ours_static);
-    std::printf("%7zu triangles: shadow_map dynamic %.2f ms, static %.2f ms; bare depth pass + lookup %.2f ms; ratio %.2f\n",
-                triangles, a.median, s.median, b.median, a.median / b.median);
+    std::printf(
+        "%7zu triangles: shadow_map dynamic %.2f ms, static %.2f ms; bare depth pass + lookup %.2f ms; ratio %.2f\n",
+        triangles, a.median, s.median, b.median, a.median / b.median);
 }
 
 }  // namespace

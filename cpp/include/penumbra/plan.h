@@ -8,7 +8,7 @@ namespace penumbra {
 
 /// One named piece of a technique's work for one light: run, or left out with a reason.
 struct Step {
-    std::string name;        ///< "depth map, face +x"
+    std::string name;  ///< "depth map, face +x"
     bool run = true;
     std::string rule;        ///< id of the rule that left it out, empty if it runs
     std::string reason;      ///< one sentence with the numbers, empty if it runs

@@ -31,9 +31,9 @@ struct Environment {
 
 /// What the scene holds for one light, in numbers.
 struct LightReport {
-    std::uint64_t lit_pixels = 0;   ///< pixels in the comparison's mask
-    std::uint64_t pixels = 0;       ///< of the image
-    std::uint32_t casters = 0;      ///< instances that may shade a visible receiver
+    std::uint64_t lit_pixels = 0;  ///< pixels in the comparison's mask
+    std::uint64_t pixels = 0;      ///< of the image
+    std::uint32_t casters = 0;     ///< instances that may shade a visible receiver
     std::uint32_t casters_outside = 0;
     std::uint64_t caster_triangles = 0;
     bool has_extent = false;
@@ -44,7 +44,7 @@ struct VisibilityResult {
     std::vector<float> visibility;  ///< as View, row 0 at the bottom; 1 outside the mask
     Settings settings;              ///< complete
     Plan plan;
-    std::size_t memory_bytes = 0;   ///< kept by the technique between frames
+    std::size_t memory_bytes = 0;  ///< kept by the technique between frames
     double setup_ms = 0.0, update_ms = 0.0, resolve_ms = 0.0;
 };
 
@@ -86,7 +86,8 @@ public:
     /// Empty, or why the technique cannot serve the light.
     [[nodiscard]] std::string supports(std::size_t light, std::string_view technique) const;
 
-    [[nodiscard]] VisibilityResult visibility(std::size_t light, const Job& job, bool keep_everything, Control& control);
+    [[nodiscard]] VisibilityResult visibility(std::size_t light, const Job& job, bool keep_everything,
+                                              Control& control);
     [[nodiscard]] std::vector<Measurement> measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
                                                    const TimingOptions& timing, Control& control);
     [[nodiscard]] Reference reference(std::size_t light, const ReferenceOptions& options, Control& control);

@@ -13,21 +13,21 @@ namespace penumbra {
 /// Triangles in their own space. Shared by all instances, never copied.
 struct Mesh {
     std::string name;
-    std::vector<glm::vec3> positions_local;       ///< any unit; the instance's transform makes metres of it
-    std::vector<glm::uvec3> triangles;            ///< indices into positions_local
-    std::vector<glm::vec3> corner_normals_local;  ///< empty (flat), or 3 per triangle, any length
-    std::vector<std::uint16_t> triangle_material; ///< empty (all 0), or 1 per triangle: index into Instance::albedo
+    std::vector<glm::vec3> positions_local;        ///< any unit; the instance's transform makes metres of it
+    std::vector<glm::uvec3> triangles;             ///< indices into positions_local
+    std::vector<glm::vec3> corner_normals_local;   ///< empty (flat), or 3 per triangle, any length
+    std::vector<std::uint16_t> triangle_material;  ///< empty (all 0), or 1 per triangle: index into Instance::albedo
 };
 
 /// One placement of a mesh.
 struct Instance {
     std::string name;
     std::shared_ptr<const Mesh> mesh;
-    glm::dmat4 world_from_local{1.0};               ///< affine, not singular; mirrored and sheared are fine
+    glm::dmat4 world_from_local{1.0};                   ///< affine, not singular; mirrored and sheared are fine
     std::vector<glm::vec3> albedo{{0.8F, 0.8F, 0.8F}};  ///< linear, per material slot; the last one serves the rest
-    bool casts = true;     ///< blocks light
-    bool receives = true;  ///< false: seen, but V is not asked there (outside the mask)
-    bool visible = true;   ///< seen by the camera
+    bool casts = true;                                  ///< blocks light
+    bool receives = true;                               ///< false: seen, but V is not asked there (outside the mask)
+    bool visible = true;                                ///< seen by the camera
 };
 
 /// Camera looking along its local -z with +y up; row 0 of every image is at the bottom.

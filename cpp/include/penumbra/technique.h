@@ -10,15 +10,15 @@
 
 namespace penumbra {
 
-class Frame;      // passes/frame.h: scene, view and light on the GPU, and the step clock
+class Frame;          // passes/frame.h: scene, view and light on the GPU, and the step clock
 struct LightSummary;  // scene/summary.h: what of the scene matters to one light
 
 /// What is known of a technique without running it.
 struct TechniqueInfo {
-    std::string id;         ///< "shadow_map"
-    std::string title;      ///< "Hard shadow map"
-    std::string paper;      ///< key in docs/references.bib
-    std::string summary;    ///< one sentence
+    std::string id;           ///< "shadow_map"
+    std::string title;        ///< "Hard shadow map"
+    std::string paper;        ///< key in docs/references.bib
+    std::string summary;      ///< one sentence
     bool randomised = false;  ///< has a "seed" setting and noise that falls with samples
     bool on_cpu = false;      ///< makes no use of OpenGL beyond the view
     std::vector<LightKind> lights;

@@ -42,7 +42,9 @@ int thread_count() noexcept {
     return set > 0 ? set : count;
 }
 
-void set_thread_count(int count) noexcept { set_count.store(std::clamp(count, 0, 1024), std::memory_order_relaxed); }
+void set_thread_count(int count) noexcept {
+    set_count.store(std::clamp(count, 0, 1024), std::memory_order_relaxed);
+}
 
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body,
                   Control& control) {

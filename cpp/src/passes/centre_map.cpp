@@ -6,8 +6,12 @@ namespace penumbra {
 
 namespace {
 
-std::string step_name(const MapFace& face) { return "depth map, " + face.name; }
-std::string peel_name(const MapFace& face) { return "second depth map, " + face.name; }
+std::string step_name(const MapFace& face) {
+    return "depth map, " + face.name;
+}
+std::string peel_name(const MapFace& face) {
+    return "second depth map, " + face.name;
+}
 
 }  // namespace
 
@@ -56,8 +60,8 @@ void CentreMap::update(Frame& frame) {
     if (frustum_.faces.empty()) {
         return;
     }
-    block_ = make_map_block(frustum_, frame.light(), frame.light().direction_ws, frame.summary().eye_ws,
-                            options_.size_px);
+    block_ =
+        make_map_block(frustum_, frame.light(), frame.light().direction_ws, frame.summary().eye_ws, options_.size_px);
     setup_.bind_for_depth(frame, frustum_, block_);
     for (std::size_t i = 0; i < frustum_.faces.size(); ++i) {
         const int layer = static_cast<int>(i);

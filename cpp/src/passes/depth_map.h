@@ -14,8 +14,7 @@ class Frame;
 
 /// What the lookup shaders need to know of a frustum (binding 1, see lib/map_lookup.glsl).
 [[nodiscard]] gpu::MapBlock make_map_block(const MapFrustum& frustum, const Light& light,
-                                           const glm::dvec3& light_direction_ws, const glm::dvec3& eye_ws,
-                                           int size_px);
+                                           const glm::dvec3& light_direction_ws, const glm::dvec3& eye_ws, int size_px);
 
 /// Layers of float32 depth as a light point sees the casters: reversed (1 near, 0 nothing), linear in 1/z for
 /// perspective faces and in z for orthographic ones. What is nearer than the near plane is clamped to it.

@@ -23,9 +23,7 @@ public:
     bool update(const Scene& scene);
 
     /// Boxes of the instances, world, in their order.
-    [[nodiscard]] const std::vector<Bounds>& instance_bounds_ws() const noexcept {
-        return instance_bounds_ws_;
-    }
+    [[nodiscard]] const std::vector<Bounds>& instance_bounds_ws() const noexcept { return instance_bounds_ws_; }
     [[nodiscard]] std::size_t instance_count() const noexcept { return world_from_recentred_.size(); }
 
     /// Transforms of all instances relative to `origin_ws`, composed in float64.

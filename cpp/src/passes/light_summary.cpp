@@ -100,7 +100,8 @@ bool may_cast(const Bounds& caster_ws, const LightSummary& summary, const Bounds
               const std::vector<glm::dvec3>& axes) {
     const Light& light = *summary.light;
     // Float32 rounding of the receivers must not push a touching caster out.
-    const double slack = 1e-6 * (summary.receivers_ws.radius() + glm::length(summary.receivers_ws.centre() - summary.eye_ws));
+    const double slack =
+        1e-6 * (summary.receivers_ws.radius() + glm::length(summary.receivers_ws.centre() - summary.eye_ws));
     for (const glm::dvec3& axis : axes) {
         Interval hull = project(summary.receivers_ws, axis);
         if (light.kind == LightKind::Sun) {
@@ -139,16 +140,16 @@ LightSummary::Trivial LightSummary::trivial() const {
     }
     if (casters.empty()) {
         return {"light-without-casters",
-                casters_outside == 0 ? "nothing in the scene casts a shadow"
-                                     : "all " + std::to_string(casters_outside) +
-                                           " casters lie outside the space between the light and the visible receivers"};
+                casters_outside == 0
+                    ? "nothing in the scene casts a shadow"
+                    : "all " + std::to_string(casters_outside) +
+                          " casters lie outside the space between the light and the visible receivers"};
     }
     return {};
 }
 
 LightSummary summarise_light(const Scene& scene, const View& view, const Light& light,
-                             const std::vector<Bounds>& instance_bounds_ws,
-                             bool keep_everything) {
+                             const std::vector<Bounds>& instance_bounds_ws, bool keep_everything) {
     LightSummary summary;
     summary.light = &light;
     summary.eye_ws = view.eye_ws;

@@ -14,8 +14,8 @@ namespace penumbra {
 
 /// Visible receiver points of one block of pixels, all inside the light's mask.
 struct ReceiverTile {
-    glm::vec3 low_cr, high_cr;              ///< box of the points, relative to the eye, metres
-    std::uint32_t first_pixel = 0;          ///< range in LightSummary::receiver_pixels
+    glm::vec3 low_cr, high_cr;      ///< box of the points, relative to the eye, metres
+    std::uint32_t first_pixel = 0;  ///< range in LightSummary::receiver_pixels
     std::uint32_t pixel_count = 0;
 };
 
@@ -23,18 +23,18 @@ struct ReceiverTile {
 struct LightSummary {
     const Light* light = nullptr;
     glm::dvec3 eye_ws{0.0};
-    bool has_extent = false;                ///< false: a hard shadow is the truth
-    bool keep_everything = false;           ///< plans must leave nothing out
+    bool has_extent = false;       ///< false: a hard shadow is the truth
+    bool keep_everything = false;  ///< plans must leave nothing out
 
-    std::vector<std::uint8_t> mask;         ///< 1 where V is asked, as in View
-    std::uint64_t lit_pixels = 0;           ///< ones in the mask
-    std::vector<ReceiverTile> tiles;        ///< all pixels of the mask, 16 x 16 blocks
+    std::vector<std::uint8_t> mask;             ///< 1 where V is asked, as in View
+    std::uint64_t lit_pixels = 0;               ///< ones in the mask
+    std::vector<ReceiverTile> tiles;            ///< all pixels of the mask, 16 x 16 blocks
     std::vector<glm::vec3> receiver_points_cr;  ///< positions of the mask's pixels, tile by tile
-    Bounds receivers_ws;                    ///< box of the mask's pixels; empty if there are none
+    Bounds receivers_ws;                        ///< box of the mask's pixels; empty if there are none
 
-    std::vector<std::uint32_t> casters;     ///< instances that can cast onto a visible receiver (all if keep_everything)
-    std::vector<std::uint8_t> caster_needed;///< 0 only with keep_everything: drawn, but must not matter
-    std::uint32_t casters_outside = 0;      ///< casting instances outside every light-receiver hull
+    std::vector<std::uint32_t> casters;  ///< instances that can cast onto a visible receiver (all if keep_everything)
+    std::vector<std::uint8_t> caster_needed;  ///< 0 only with keep_everything: drawn, but must not matter
+    std::uint32_t casters_outside = 0;        ///< casting instances outside every light-receiver hull
     std::uint64_t caster_triangles = 0;
     std::vector<Bounds> caster_bounds_ws;  ///< boxes of `casters`
 
@@ -49,7 +49,6 @@ struct LightSummary {
 
 /// @param instance_bounds_ws box of each instance, as many as scene.instances
 [[nodiscard]] LightSummary summarise_light(const Scene& scene, const View& view, const Light& light,
-                                           const std::vector<Bounds>& instance_bounds_ws,
-                                           bool keep_everything);
+                                           const std::vector<Bounds>& instance_bounds_ws, bool keep_everything);
 
 }  // namespace penumbra

@@ -62,8 +62,8 @@ constexpr std::array<const char*, 6> kFaceNames{"+z", "-z", "+x", "-x", "+y", "-
 /// Turns the base frame so that +z looks through face `i`.
 glm::dmat3 face_rotation(int i, const glm::dmat3& ls_from_world) {
     const glm::dmat3 world_axes = glm::transpose(ls_from_world);
-    const std::array<glm::dvec3, 6> forward{world_axes[2], -world_axes[2], world_axes[0],
-                                            -world_axes[0], world_axes[1], -world_axes[1]};
+    const std::array<glm::dvec3, 6> forward{world_axes[2],  -world_axes[2], world_axes[0],
+                                            -world_axes[0], world_axes[1],  -world_axes[1]};
     if (i == 0) {
         return ls_from_world;
     }
@@ -76,8 +76,8 @@ void pad(Extent& extent, const MapFrustumOptions& options) {
     const double usable = std::max(1.0, options.size_px - 2.0 * options.margin_texels);
     glm::dvec2 size = extent.high - extent.low;
     // A single visible pixel has no extent; a map of width zero would have texels of width zero.
-    const double least = 1e-4 * std::max({1e-12, size.x, size.y,
-                                          std::max(glm::length(extent.low), glm::length(extent.high))});
+    const double least =
+        1e-4 * std::max({1e-12, size.x, size.y, std::max(glm::length(extent.low), glm::length(extent.high))});
     const glm::dvec2 centre = 0.5 * (extent.low + extent.high);
     size = glm::max(size, glm::dvec2{least}) * (options.size_px / usable);
     extent.low = centre - 0.5 * size;
@@ -91,7 +91,8 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
     for (std::uint32_t i = 0; i < summary.casters.size(); ++i) {
         Extent box;
         bool outside_left = true, outside_right = true, outside_low = true, outside_high = true, behind = true;
-        for (const glm::dvec3& corner_ws : corners_of(summary.caster_bounds_ws[i].low, summary.caster_bounds_ws[i].high)) {
+        for (const glm::dvec3& corner_ws :
+             corners_of(summary.caster_bounds_ws[i].low, summary.caster_bounds_ws[i].high)) {
             const glm::dvec3 p = face.ls_from_world * (corner_ws - origin_ws);
             const double w = face.orthographic ? 1.0 : p.z;
             outside_left = outside_left && p.x < face.low.x * w;

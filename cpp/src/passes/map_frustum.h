@@ -14,9 +14,9 @@ struct MapFace {
     std::string name;               ///< "front", "+x", ... for the plan
     glm::dmat3 ls_from_world{1.0};  ///< rotation
     bool orthographic = false;
-    glm::dvec2 low{-1.0}, high{1.0};///< extent: x_ls / z_ls and y_ls / z_ls, orthographic: metres
-    double near_m = 0.0;            ///< z_ls of the window depth 1 (reversed depth)
-    double far_m = 0.0;             ///< orthographic: z_ls of the window depth 0; perspective: infinite
+    glm::dvec2 low{-1.0}, high{1.0};     ///< extent: x_ls / z_ls and y_ls / z_ls, orthographic: metres
+    double near_m = 0.0;                 ///< z_ls of the window depth 1 (reversed depth)
+    double far_m = 0.0;                  ///< orthographic: z_ls of the window depth 0; perspective: infinite
     std::vector<std::uint32_t> casters;  ///< positions in LightSummary::casters that may fall into this face
 };
 

@@ -14,7 +14,8 @@ glm::dmat4 clip_from_rel(const Camera& camera) {
     const double half_width = camera.orthographic ? camera.half_width_m : camera.tan_half_width;
     const double half_height = half_width * aspect;
     const glm::dvec2 centre = 2.0 * half_width * camera.shift;
-    const glm::dvec2 sample{2.0 * camera.pixel_offset.x / camera.width_px, 2.0 * camera.pixel_offset.y / camera.height_px};
+    const glm::dvec2 sample{2.0 * camera.pixel_offset.x / camera.width_px,
+                            2.0 * camera.pixel_offset.y / camera.height_px};
     // Rows of the projection, for camera space with z = -distance.
     glm::dmat4 projection{0.0};
     projection[0][0] = 1.0 / half_width;

@@ -15,12 +15,12 @@ public:
     /// Makes the textures of the camera's size if they are not there, and renders. Ends with the GPU busy.
     void render(Device& device, GpuScene& gpu_scene, const Scene& scene, FullscreenPass& fullscreen);
 
-    [[nodiscard]] const TextureImage& position() const noexcept { return position_; }        ///< RGBA32F, w 1 where seen
-    [[nodiscard]] const TextureImage& normal() const noexcept { return normal_; }            ///< RGBA32F, geometric
-    [[nodiscard]] const TextureImage& shading_normal() const noexcept { return shading_; }   ///< RGBA32F
-    [[nodiscard]] const TextureImage& albedo() const noexcept { return albedo_; }            ///< RGBA32F, linear
-    [[nodiscard]] const TextureImage& ids() const noexcept { return ids_; }                  ///< RG32UI
-    [[nodiscard]] const TextureImage& receiver() const noexcept { return receiver_; }        ///< see lib/receiver.glsl
+    [[nodiscard]] const TextureImage& position() const noexcept { return position_; }       ///< RGBA32F, w 1 where seen
+    [[nodiscard]] const TextureImage& normal() const noexcept { return normal_; }           ///< RGBA32F, geometric
+    [[nodiscard]] const TextureImage& shading_normal() const noexcept { return shading_; }  ///< RGBA32F
+    [[nodiscard]] const TextureImage& albedo() const noexcept { return albedo_; }           ///< RGBA32F, linear
+    [[nodiscard]] const TextureImage& ids() const noexcept { return ids_; }                 ///< RG32UI
+    [[nodiscard]] const TextureImage& receiver() const noexcept { return receiver_; }       ///< see lib/receiver.glsl
     [[nodiscard]] const glm::dvec3& eye_ws() const noexcept { return eye_ws_; }
 
     /// Copy in main memory; waits for the GPU.

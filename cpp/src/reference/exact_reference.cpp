@@ -40,9 +40,9 @@ Reference exact_reference(const Scene& scene, const View& view, const Light& lig
             normals_ws.emplace_back(view.normal_ws[i]);
         }
     }
-    const ExactResult exact = light.casts_shadow
-                                  ? exact_visibility(scene, light, positions_ws, normals_ws, control)
-                                  : ExactResult{std::vector<double>(pixels.size(), 1.0), std::vector<double>(pixels.size(), 1.0)};
+    const ExactResult exact = light.casts_shadow ? exact_visibility(scene, light, positions_ws, normals_ws, control)
+                                                 : ExactResult{std::vector<double>(pixels.size(), 1.0),
+                                                               std::vector<double>(pixels.size(), 1.0)};
     result.area.assign(view.size(), 1.0F);
     result.irradiance.assign(view.size(), 1.0F);
     result.standard_error.assign(view.size(), 0.0F);

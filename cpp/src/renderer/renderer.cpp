@@ -28,7 +28,8 @@ double ms_since(Clock::time_point start) {
 /// Everything below lives on the render thread, except what is const after construction.
 class Renderer::Impl {
 public:
-    explicit Impl(const RendererOptions& options) : thread_{{.device = options.device, .debug = options.debug, .egl_library = {}}} {
+    explicit Impl(const RendererOptions& options)
+        : thread_{{.device = options.device, .debug = options.debug, .egl_library = {}}} {
         const DeviceInfo& info = thread_.info();
         environment_.gl_renderer = info.name;
         environment_.gl_version = info.gl_version;
@@ -37,9 +38,8 @@ public:
         environment_.software = info.software;
         environment_.threads = thread_count();
         environment_.embree = embree::version();
-        state_ = thread_.run([](Device& device) {
-            return std::make_unique<State>(device.workarounds.time_by_wall_clock);
-        });
+        state_ =
+            thread_.run([](Device& device) { return std::make_unique<State>(device.workarounds.time_by_wall_clock); });
     }
     ~Impl() {
         try {
@@ -213,7 +213,9 @@ public:
 Renderer::Renderer(const RendererOptions& options) : impl_{std::make_unique<Impl>(options)} {}
 Renderer::~Renderer() = default;
 
-const Environment& Renderer::environment() const noexcept { return impl_->environment_; }
+const Environment& Renderer::environment() const noexcept {
+    return impl_->environment_;
+}
 
 void Renderer::set_scene(const Scene& scene) {
     auto checked = std::make_shared<Scene>(scene);
@@ -236,7 +238,9 @@ std::shared_ptr<const View> Renderer::view(Control& control) {
     });
 }
 
-double Renderer::view_ms() const noexcept { return impl_->state_->view_ms; }
+double Renderer::view_ms() const noexcept {
+    return impl_->state_->view_ms;
+}
 
 std::vector<std::uint8_t> Renderer::mask(std::size_t light, Control& control) {
     return impl_->thread_.run([&](Device& device) {
@@ -354,8 +358,9 @@ std::vector<glm::vec3> Renderer::irradiance(std::size_t light, Control& control)
             [&](std::int64_t begin, std::int64_t end) {
                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
                     if (view.hit(i)) {
-                        result[i] = glm::vec3{unshadowed_irradiance(chosen, view.eye_ws + glm::dvec3{view.position_cr[i]},
-                                                                    glm::dvec3{view.shading_normal_ws[i]})};
+                        result[i] =
+                            glm::vec3{unshadowed_irradiance(chosen, view.eye_ws + glm::dvec3{view.position_cr[i]},
+                                                            glm::dvec3{view.shading_normal_ws[i]})};
                     }
                 }
             },

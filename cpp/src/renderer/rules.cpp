@@ -8,12 +8,13 @@ const std::vector<RuleInfo>& rules() {
         {"light-without-shadow", "shadows are switched off for the light, so V is 1", 0.0},
         {"light-without-casters", "no caster lies between the light and a visible receiver, so V is 1", 0.0},
         {"light-without-extent", "all points of the light coincide, so one sample is all samples", 0.0},
-        {"caster-outside-hull", "a separating plane keeps the caster apart from the hull of light and visible receivers",
-         0.0},
+        {"caster-outside-hull",
+         "a separating plane keeps the caster apart from the hull of light and visible receivers", 0.0},
         {"cube-face-without-receivers", "no visible receiver projects into the face of the light's cube", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",
-         "the reference's pilot rays and those of all neighbours agree, so no more than the least number is traced", 0.0},
+         "the reference's pilot rays and those of all neighbours agree, so no more than the least number is traced",
+         0.0},
     };
     return table;
 }

@@ -15,7 +15,8 @@ inline View view_of_ground(const Camera& camera, std::int32_t ground_instance = 
     for (int y = 0; y < view.height; ++y) {
         for (int x = 0; x < view.width; ++x) {
             const glm::dvec3 p{view.eye_ws.x + camera.half_width_m * (2.0 * (x + 0.5) / view.width - 1.0),
-                               view.eye_ws.y + camera.half_width_m * aspect * (2.0 * (y + 0.5) / view.height - 1.0), 0.0};
+                               view.eye_ws.y + camera.half_width_m * aspect * (2.0 * (y + 0.5) / view.height - 1.0),
+                               0.0};
             view.position_cr.emplace_back(p - view.eye_ws);
             view.normal_ws.emplace_back(0.0F, 0.0F, 1.0F);
             view.shading_normal_ws.emplace_back(0.0F, 0.0F, 1.0F);

@@ -16,10 +16,12 @@ struct Fitted {
     MapFrustum frustum;
 };
 
-Fitted fit(const Light& light, double view_half_m, bool keep_everything = false, const glm::dvec3& caster_at = {0, 0, 1}) {
+Fitted fit(const Light& light, double view_half_m, bool keep_everything = false,
+           const glm::dvec3& caster_at = {0, 0, 1}) {
     Fitted f;
     f.scene.instances.push_back(scenes::place(scenes::sheet(-500, 500, -500, 500), "ground"));
-    f.scene.instances.push_back(scenes::place(scenes::box({-0.2F, -0.2F, -0.2F}, {0.2F, 0.2F, 0.2F}), "box", caster_at));
+    f.scene.instances.push_back(
+        scenes::place(scenes::box({-0.2F, -0.2F, -0.2F}, {0.2F, 0.2F, 0.2F}), "box", caster_at));
     f.scene.lights.push_back(light);
     f.scene.camera = scenes::camera_from_above(view_half_m, 96, 64);
     validate(f.scene);

@@ -79,7 +79,8 @@ TEST_F(ViewGl, ASceneFarFromTheOriginKeepsItsPrecision) {
 
 TEST_F(ViewGl, AMeshWhoseVerticesLieFarFromItsOriginKeepsItsPrecision) {
     Scene scene = ground_from_above();
-    scene.instances[0] = scenes::place(scenes::sheet(1048576.0 - 64, 1048576.0 + 64, -64, 64), "ground", {-1048576.0, 0, 0});
+    scene.instances[0] =
+        scenes::place(scenes::sheet(1048576.0 - 64, 1048576.0 + 64, -64, 64), "ground", {-1048576.0, 0, 0});
     EXPECT_LT(pixel_world_error(render(scene), scene.camera), 2e-6);
 }
 

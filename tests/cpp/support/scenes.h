@@ -34,8 +34,18 @@ inline std::shared_ptr<Mesh> box(const glm::vec3& low, const glm::vec3& high) {
         p.emplace_back((i & 1U) != 0 ? high.x : low.x, (i & 2U) != 0 ? high.y : low.y, (i & 4U) != 0 ? high.z : low.z);
     }
     return mesh("box", std::move(p),
-                {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}});
+                {{0, 2, 1},
+                 {1, 2, 3},
+                 {4, 5, 6},
+                 {5, 7, 6},
+                 {0, 1, 4},
+                 {1, 5, 4},
+                 {2, 6, 3},
+                 {3, 6, 7},
+                 {0, 4, 2},
+                 {2, 4, 6},
+                 {1, 3, 5},
+                 {3, 7, 5}});
 }
 
 /// Sphere of radius 1 in latitude and longitude, normals outwards; smooth if asked.
@@ -124,7 +134,8 @@ inline Light sun_light(const glm::dvec3& direction, double angle_rad) {
 }
 
 /// A half plane x < edge_x at `height_m` over the ground, seen from above through it: the sheet itself is not visible
-/// to the camera. Light plane at z = light_z. The hard edge on the ground is at edge_x * light_z / (light_z - height_m).
+/// to the camera. Light plane at z = light_z. The hard edge on the ground is at edge_x * light_z / (light_z -
+/// height_m).
 inline Scene straight_edge(const Light& light, double height_m, double edge_x = 0.0, int size_px = 128,
                            double view_half_m = 2.0) {
     Scene scene;

@@ -147,8 +147,8 @@ TEST_P(EveryTechnique, ScaleTranslationAndRotationDoNotChangeTheImage) {
     const double flips = many ? 0.01 : 0.004;
     // A turn about odd axes turns the maps' axes, so all texels fall elsewhere: pixels within a texel of an edge may
     // change. Round lights are sampled in a frame that hangs on world axes, so there noise changes as well.
-    const bool round = GetParam().kind == LightKind::Point || GetParam().kind == LightKind::Spot ||
-                       GetParam().kind == LightKind::Sun;
+    const bool round =
+        GetParam().kind == LightKind::Point || GetParam().kind == LightKind::Spot || GetParam().kind == LightKind::Sun;
     const double turned = many ? (round ? 1.0 : 0.15) : 0.06;
     const Move moves[] = {
         {"scale 1e-4", 1e-4, glm::dmat3{1.0}, {}, flips},

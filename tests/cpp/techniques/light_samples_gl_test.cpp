@@ -68,7 +68,8 @@ TEST_F(LightSamplesGl, TendsToTheReferenceForEveryKindOfLight) {
         for (const int n : {16, 256}) {
             const std::vector<float> v =
                 renderer()
-                    .visibility(0, {"light_samples", {{"samples", n}, {"map_size", 1024}, {"memory_mib", 0}}}, false, control_)
+                    .visibility(0, {"light_samples", {{"samples", n}, {"map_size", 1024}, {"memory_mib", 0}}}, false,
+                                control_)
                     .visibility;
             const double error = rmse(v, truth.area);
             EXPECT_LT(error, last) << to_string(light.kind) << " " << n;

@@ -60,7 +60,8 @@ TEST_F(PcfGl, RampsRiseMonotonouslyAndMeetTheMiddleAtTheEdge) {
 // The comparisons enter linearly, so four bilinear fetches give the sixteen; hardware weights have 8 bits an axis.
 TEST_F(PcfGl, FourFetchesEqualSixteen) {
     const Scene scene = scenes::straight_edge(scenes::rectangle_light({0, 0, 4}, 1, 1), 1.0, 0.1, 256);
-    const std::vector<float> sixteen = visibility(scene, "pcf", {{"filter", std::string{"bicubic16"}}, {"map_size", 64}});
+    const std::vector<float> sixteen =
+        visibility(scene, "pcf", {{"filter", std::string{"bicubic16"}}, {"map_size", 64}});
     const std::vector<float> four = visibility(scene, "pcf", {{"filter", std::string{"bicubic4"}}, {"map_size", 64}});
     EXPECT_LE(largest_difference(sixteen, four), 2.0 / 256.0);
 }
@@ -79,7 +80,8 @@ TEST_F(PcfGl, NoFilterMakesAcneOnASlantedPlane) {
     scene.camera = scenes::camera_from_above(2.0, 128, 128);
     for (const char* bias : {"slope", "receiver_plane"}) {
         for (const char* filter : {"2x2", "bicubic16", "box"}) {
-            for (const float v : visibility(scene, "pcf", {{"filter", std::string{filter}}, {"bias", std::string{bias}}})) {
+            for (const float v :
+                 visibility(scene, "pcf", {{"filter", std::string{filter}}, {"bias", std::string{bias}}})) {
                 ASSERT_EQ(v, 1.0F) << filter << " " << bias;
             }
         }

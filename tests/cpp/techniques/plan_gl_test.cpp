@@ -103,8 +103,9 @@ TEST_F(PlanGl, EveryRuleThatFiresIsListed) {
     const Plan plan = plan_of(with_box_at({8, 0, 3}), "shadow_map");
     for (const Step& step : plan.steps) {
         if (!step.run) {
-            EXPECT_TRUE(std::any_of(rules().begin(), rules().end(), [&](const RuleInfo& r) { return r.id == step.rule; }))
-                << step.rule;
+            EXPECT_TRUE(std::any_of(rules().begin(), rules().end(), [&](const RuleInfo& r) {
+                return r.id == step.rule;
+            })) << step.rule;
             EXPECT_FALSE(step.reason.empty());
         }
     }

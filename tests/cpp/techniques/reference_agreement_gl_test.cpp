@@ -33,14 +33,16 @@ protected:
         Scene scene;
         scene.instances.push_back(scenes::place(scenes::sheet(-20, 20, -20, 20), "ground"));
         scene.instances.push_back(scenes::place(scenes::sphere(16, false), "ball", {0.8, 0.3, 1.2}));
-        scene.instances.push_back(scenes::place(scenes::box({-0.4F, -0.4F, 0.0F}, {0.4F, 0.4F, 1.5F}), "box", {-1, -0.3, 0}));
+        scene.instances.push_back(
+            scenes::place(scenes::box({-0.4F, -0.4F, 0.0F}, {0.4F, 0.4F, 1.5F}), "box", {-1, -0.3, 0}));
         for (int i = 0; i < 6; ++i) {
             scene.instances.push_back(scenes::place(scenes::box({-0.05F, -0.05F, 0.0F}, {0.05F, 0.05F, 1.0F}),
                                                     "bar " + std::to_string(i), {-1.5 + 0.6 * i, -1.6, 0.0}));
         }
         scene.lights.push_back(light);
         const double a = 0.7;
-        const glm::dmat4 tilt{{1, 0, 0, 0}, {0, std::cos(a), std::sin(a), 0}, {0, -std::sin(a), std::cos(a), 0}, {0, 0, 0, 1}};
+        const glm::dmat4 tilt{
+            {1, 0, 0, 0}, {0, std::cos(a), std::sin(a), 0}, {0, -std::sin(a), std::cos(a), 0}, {0, 0, 0, 1}};
         scene.camera.world_from_camera = tilt;
         scene.camera.world_from_camera[3] = tilt * glm::dvec4{0, 0, 9, 1};
         scene.camera.tan_half_width = 0.35;
@@ -78,7 +80,8 @@ TEST_F(ReferenceAgreement, HoldsFarFromTheOriginAndAtOddScales) {
 
 TEST_F(ReferenceAgreement, TheExactReferenceRefusesRoundLights) {
     renderer().set_scene(still_life(scenes::point_light({0, 0, 5}, 0.3), 32));
-    EXPECT_THROW(static_cast<void>(renderer().reference(0, {.method = ReferenceMethod::Exact}, control_)), InvalidScene);
+    EXPECT_THROW(static_cast<void>(renderer().reference(0, {.method = ReferenceMethod::Exact}, control_)),
+                 InvalidScene);
 }
 
 }  // namespace

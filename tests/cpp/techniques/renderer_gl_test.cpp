@@ -22,23 +22,28 @@ protected:
 
 TEST_F(RendererContract, UnknownTechniqueNamesTheKnownOnes) {
     renderer().set_scene(edge());
-    const std::string message =
-        message_of([&] { static_cast<void>(renderer().visibility(0, {"shadow_mop", {}}, false, control_)); });
+    const std::string message = message_of([&] {
+        static_cast<void>(renderer().visibility(0, {"shadow_mop", {}}, false, control_));
+    });
     EXPECT_NE(message.find("shadow_mop"), std::string::npos);
     EXPECT_NE(message.find("light_samples"), std::string::npos);
 }
 
 TEST_F(RendererContract, BadSettingsSayWhichAndTheRange) {
     renderer().set_scene(edge());
-    EXPECT_THROW(static_cast<void>(renderer().visibility(0, {"pcf", {{"kernel", 1000}}}, false, control_)), InvalidSettings);
-    EXPECT_THROW(static_cast<void>(renderer().visibility(0, {"pcf", {{"colour", 1}}}, false, control_)), InvalidSettings);
-    EXPECT_THROW(static_cast<void>(renderer().visibility(0, {"pcf", {{"filter", std::string{"tent"}}}}, false, control_)),
+    EXPECT_THROW(static_cast<void>(renderer().visibility(0, {"pcf", {{"kernel", 1000}}}, false, control_)),
                  InvalidSettings);
+    EXPECT_THROW(static_cast<void>(renderer().visibility(0, {"pcf", {{"colour", 1}}}, false, control_)),
+                 InvalidSettings);
+    EXPECT_THROW(
+        static_cast<void>(renderer().visibility(0, {"pcf", {{"filter", std::string{"tent"}}}}, false, control_)),
+        InvalidSettings);
 }
 
 TEST_F(RendererContract, ALightThatDoesNotExistIsASentence) {
     renderer().set_scene(edge());
-    EXPECT_NE(message_of([&] { static_cast<void>(renderer().mask(7, control_)); }).find("no light 7"), std::string::npos);
+    EXPECT_NE(message_of([&] { static_cast<void>(renderer().mask(7, control_)); }).find("no light 7"),
+              std::string::npos);
 }
 
 TEST_F(RendererContract, AnInvalidSceneLeavesTheFormerOne) {
@@ -51,8 +56,10 @@ TEST_F(RendererContract, AnInvalidSceneLeavesTheFormerOne) {
 
 TEST_F(RendererContract, TooLargeAMapIsASentence) {
     renderer().set_scene(edge());
-    EXPECT_THROW(static_cast<void>(renderer().visibility(0, {"light_samples", {{"map_size", 16384}, {"samples", 64}, {"memory_mib", 65536}}}, false, control_)),
-                 Error);
+    EXPECT_THROW(
+        static_cast<void>(renderer().visibility(
+            0, {"light_samples", {{"map_size", 16384}, {"samples", 64}, {"memory_mib", 65536}}}, false, control_)),
+        Error);
     // and the renderer goes on
     EXPECT_EQ(renderer().visibility(0, {"shadow_map", {}}, false, control_).visibility.size(), 128U * 16U);
 }

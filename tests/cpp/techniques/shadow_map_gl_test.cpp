@@ -136,9 +136,10 @@ TEST_F(ShadowMapGl, ACasterAroundTheLightPointStillCasts) {
     // A box with the lamp in its open bottom part: its walls reach above and below the light.
     Scene scene;
     scene.instances.push_back(scenes::place(scenes::sheet(-50, 50, -50, 50), "ground"));
-    scene.instances.push_back(scenes::place(
-        scenes::mesh("wall", {{-0.02F, -40, -2}, {-0.02F, 40, -2}, {-0.02F, 40, 2}, {-0.02F, -40, 2}}, {{0, 1, 2}, {0, 2, 3}}),
-        "wall", {0, 0, 3}));
+    scene.instances.push_back(
+        scenes::place(scenes::mesh("wall", {{-0.02F, -40, -2}, {-0.02F, 40, -2}, {-0.02F, 40, 2}, {-0.02F, -40, 2}},
+                                   {{0, 1, 2}, {0, 2, 3}}),
+                      "wall", {0, 0, 3}));
     scene.instances[1].visible = false;
     scene.lights.push_back(scenes::point_light({0, 0, 3}, 0));
     scene.camera = scenes::camera_from_above(4.0, 128, 16);
@@ -171,8 +172,8 @@ TEST_F(ShadowMapGl, EdgeErrorIsAtMostATexelAtEverySize) {
     for (const int size : {256, 512, 1024}) {
         Scene scene = scenes::straight_edge(scenes::point_light({0, 0, 4}, 0), 1.0, 0.0, 256);
         const double a = 0.4;
-        scene.instances[1].world_from_local = glm::dmat4{
-            {std::cos(a), std::sin(a), 0, 0}, {-std::sin(a), std::cos(a), 0, 0}, {0, 0, 1, 0}, {0, 0, 1, 1}};
+        scene.instances[1].world_from_local =
+            glm::dmat4{{std::cos(a), std::sin(a), 0, 0}, {-std::sin(a), std::cos(a), 0, 0}, {0, 0, 1, 0}, {0, 0, 1, 1}};
         scene.camera = scenes::camera_from_above(2.0, 256, 256);
         const std::vector<float> v = visibility(scene, "shadow_map", {{"map_size", size}});
         const double texel_m = 4.0 / (size - 4.0);

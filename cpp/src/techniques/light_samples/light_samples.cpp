@@ -12,18 +12,42 @@ namespace {
 
 std::vector<SettingInfo> light_samples_settings() {
     std::vector<SettingInfo> settings = map_settings("slope", false);
-    settings.push_back({.id = "samples", .label = "Samples", .unit = "maps",
-                        .help = "Points on the light, each with a depth map of its own.", .default_value = 16,
-                        .minimum = 1, .maximum = 4096, .choices = {}, .sweep = {4, 16, 64, 256}});
-    settings.push_back({.id = "pattern", .label = "Pattern", .unit = "",
+    settings.push_back({.id = "samples",
+                        .label = "Samples",
+                        .unit = "maps",
+                        .help = "Points on the light, each with a depth map of its own.",
+                        .default_value = 16,
+                        .minimum = 1,
+                        .maximum = 4096,
+                        .choices = {},
+                        .sweep = {4, 16, 64, 256}});
+    settings.push_back({.id = "pattern",
+                        .label = "Pattern",
+                        .unit = "",
                         .help = "Where the points lie: jittered in strata, centres of a grid, or the R2 sequence.",
-                        .default_value = std::string{"jittered"}, .minimum = 0, .maximum = 0,
-                        .choices = {"jittered", "grid", "r2"}, .sweep = {}});
-    settings.push_back({.id = "seed", .label = "Seed", .unit = "", .help = "Of the jitter; the same for all pixels.",
-                        .default_value = 1, .minimum = 0, .maximum = 2147483647, .choices = {}, .sweep = {}});
-    settings.push_back({.id = "memory_mib", .label = "Map memory", .unit = "MiB",
+                        .default_value = std::string{"jittered"},
+                        .minimum = 0,
+                        .maximum = 0,
+                        .choices = {"jittered", "grid", "r2"},
+                        .sweep = {}});
+    settings.push_back({.id = "seed",
+                        .label = "Seed",
+                        .unit = "",
+                        .help = "Of the jitter; the same for all pixels.",
+                        .default_value = 1,
+                        .minimum = 0,
+                        .maximum = 2147483647,
+                        .choices = {},
+                        .sweep = {}});
+    settings.push_back({.id = "memory_mib",
+                        .label = "Map memory",
+                        .unit = "MiB",
                         .help = "Maps are kept between frames if all of them fit into this; else redrawn every frame.",
-                        .default_value = 512, .minimum = 0, .maximum = 65536, .choices = {}, .sweep = {}});
+                        .default_value = 512,
+                        .minimum = 0,
+                        .maximum = 65536,
+                        .choices = {},
+                        .sweep = {}});
     return settings;
 }
 
@@ -34,7 +58,9 @@ const TechniqueInfo& LightSamples::description() {
         .id = "light_samples",
         .title = "Averaged shadow maps",
         .paper = "HeckbertHerf1997",
-        .summary = "N hard shadow maps from points of the light, averaged: right for every scene as N grows, at N times the cost.",
+        .summary =
+            "N hard shadow maps from points of the light, averaged: right for every scene as N grows, at N times the "
+            "cost.",
         .randomised = true,
         .on_cpu = false,
         .lights = all_light_kinds(),
@@ -52,7 +78,9 @@ LightSamples::LightSamples(const Settings& settings)
       facing_test_{get_bool(settings, "facing_test")},
       bias_{map_bias_from(settings)} {}
 
-Verdict LightSamples::supports(const Light&) const { return {}; }
+Verdict LightSamples::supports(const Light&) const {
+    return {};
+}
 
 namespace {
 
@@ -99,8 +127,7 @@ std::vector<LightSamples::Sample> LightSamples::fit_samples(const LightSummary& 
         Sample sample;
         sample.point = point;
         sample.frustum = fit_map_frustum(summary, point.position_ws, point.direction_ws, {.size_px = size_px_});
-        sample.block =
-            make_map_block(sample.frustum, *summary.light, point.direction_ws, summary.eye_ws, size_px_);
+        sample.block = make_map_block(sample.frustum, *summary.light, point.direction_ws, summary.eye_ws, size_px_);
         sample.first_layer = layer;
         layer += static_cast<int>(sample.frustum.faces.size());
         samples.push_back(std::move(sample));
@@ -145,10 +172,12 @@ void LightSamples::prepare(Frame& frame) {
         layers += sample.frustum.faces.size();
         most = std::max(most, sample.frustum.faces.size());
     }
-    const std::size_t layer_bytes = sizeof(float) * static_cast<std::size_t>(size_px_) * static_cast<std::size_t>(size_px_);
+    const std::size_t layer_bytes =
+        sizeof(float) * static_cast<std::size_t>(size_px_) * static_cast<std::size_t>(size_px_);
     keep_maps_ = layers * layer_bytes <= memory_cap_bytes_ &&
                  layers <= static_cast<std::size_t>(frame.device().context.limits().max_array_layers);
-    maps_.allocate(size_px_, static_cast<int>(std::max<std::size_t>(1, keep_maps_ ? layers : most)), "light sample maps");
+    maps_.allocate(size_px_, static_cast<int>(std::max<std::size_t>(1, keep_maps_ ? layers : most)),
+                   "light sample maps");
     sums_ = TextureImage::make_2d(GL_RG32F, frame.view().width, frame.view().height, "light sample sums");
     sums_target_ = RenderTarget{"light sample sums"};
     sums_target_.attach_colour(0, sums_);

@@ -29,7 +29,8 @@ std::vector<glm::dvec2> unit_square(int count, std::string_view pattern, std::ui
     const double cell = 1.0 / side;
     for (int j = 0; j < side; ++j) {
         for (int i = 0; i < side; ++i) {
-            const glm::dvec2 inside = pattern == "grid" ? glm::dvec2{0.5} : glm::dvec2{uniform(random), uniform(random)};
+            const glm::dvec2 inside =
+                pattern == "grid" ? glm::dvec2{0.5} : glm::dvec2{uniform(random), uniform(random)};
             points.push_back((glm::dvec2{i, j} + inside) * cell);
         }
     }
@@ -85,8 +86,8 @@ glm::dvec2 concentric_disc(const glm::dvec2& u) noexcept {
     return radius * glm::dvec2{std::cos(angle), std::sin(angle)};
 }
 
-std::vector<LightSamplePoint> sample_points(const Light& light, int count, std::string_view pattern,
-                                            std::uint32_t seed, const SphereCap& cap) {
+std::vector<LightSamplePoint> sample_points(const Light& light, int count, std::string_view pattern, std::uint32_t seed,
+                                            const SphereCap& cap) {
     std::vector<LightSamplePoint> points;
     LightSamplePoint centre{light.position_ws, light.direction_ws, {}};
     if (has_no_extent(light) || count <= 1) {

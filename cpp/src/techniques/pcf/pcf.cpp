@@ -27,13 +27,24 @@ double reach_texels(const Settings& settings) {
 
 std::vector<SettingInfo> pcf_settings() {
     std::vector<SettingInfo> settings = map_settings("slope", false);
-    settings.push_back({.id = "filter", .label = "Filter", .unit = "",
+    settings.push_back({.id = "filter",
+                        .label = "Filter",
+                        .unit = "",
                         .help = "Weights of the comparisons: 2x2 bilinear, bicubic by 16 or by 4 fetches, or a box.",
-                        .default_value = std::string{"box"}, .minimum = 0, .maximum = 0, .choices = kFilters,
+                        .default_value = std::string{"box"},
+                        .minimum = 0,
+                        .maximum = 0,
+                        .choices = kFilters,
                         .sweep = {std::string{"2x2"}, std::string{"bicubic16"}}});
-    settings.push_back({.id = "kernel", .label = "Kernel", .unit = "texel",
+    settings.push_back({.id = "kernel",
+                        .label = "Kernel",
+                        .unit = "texel",
                         .help = "Width of the box filter; the width of every penumbra on the map.",
-                        .default_value = 7, .minimum = 1, .maximum = 63, .choices = {}, .sweep = {3, 5, 7, 15, 31}});
+                        .default_value = 7,
+                        .minimum = 1,
+                        .maximum = 63,
+                        .choices = {},
+                        .sweep = {3, 5, 7, 15, 31}});
     return settings;
 }
 
@@ -59,7 +70,9 @@ Pcf::Pcf(const Settings& settings)
       map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"),
            reach_texels(settings)} {}
 
-Verdict Pcf::supports(const Light&) const { return {}; }
+Verdict Pcf::supports(const Light&) const {
+    return {};
+}
 
 Plan Pcf::plan(const LightSummary& summary) const {
     Plan plan;

@@ -18,16 +18,43 @@ const TechniqueInfo& RayTraced::description() {
         .lights = all_light_kinds(),
         .settings =
             {
-                {.id = "rays", .label = "Rays", .unit = "rays", .help = "Shadow rays per pixel.", .default_value = 16,
-                 .minimum = 1, .maximum = 65536, .choices = {}, .sweep = {1, 4, 16, 64, 256}},
-                {.id = "seed", .label = "Seed", .unit = "", .help = "Equal seeds give equal images.",
-                 .default_value = 1, .minimum = 0, .maximum = 2147483647, .choices = {}, .sweep = {}},
-                {.id = "early_out", .label = "Early out", .unit = "",
-                 .help = "Stops a pixel when its first rays all agree: faster, but thin penumbrae are biased to 0 or 1.",
-                 .default_value = false, .minimum = 0, .maximum = 0, .choices = {}, .sweep = {}},
-                {.id = "early_out_rays", .label = "First rays", .unit = "rays",
-                 .help = "How many rays must agree before the early out.", .default_value = 16, .minimum = 1,
-                 .maximum = 4096, .choices = {}, .sweep = {}},
+                {.id = "rays",
+                 .label = "Rays",
+                 .unit = "rays",
+                 .help = "Shadow rays per pixel.",
+                 .default_value = 16,
+                 .minimum = 1,
+                 .maximum = 65536,
+                 .choices = {},
+                 .sweep = {1, 4, 16, 64, 256}},
+                {.id = "seed",
+                 .label = "Seed",
+                 .unit = "",
+                 .help = "Equal seeds give equal images.",
+                 .default_value = 1,
+                 .minimum = 0,
+                 .maximum = 2147483647,
+                 .choices = {},
+                 .sweep = {}},
+                {.id = "early_out",
+                 .label = "Early out",
+                 .unit = "",
+                 .help =
+                     "Stops a pixel when its first rays all agree: faster, but thin penumbrae are biased to 0 or 1.",
+                 .default_value = false,
+                 .minimum = 0,
+                 .maximum = 0,
+                 .choices = {},
+                 .sweep = {}},
+                {.id = "early_out_rays",
+                 .label = "First rays",
+                 .unit = "rays",
+                 .help = "How many rays must agree before the early out.",
+                 .default_value = 16,
+                 .minimum = 1,
+                 .maximum = 4096,
+                 .choices = {},
+                 .sweep = {}},
             },
     };
     return info;
@@ -39,7 +66,9 @@ RayTraced::RayTraced(const Settings& settings)
       early_out_{get_bool(settings, "early_out")},
       early_out_rays_{get_int(settings, "early_out_rays")} {}
 
-Verdict RayTraced::supports(const Light&) const { return {}; }
+Verdict RayTraced::supports(const Light&) const {
+    return {};
+}
 
 Plan RayTraced::plan(const LightSummary& summary) const {
     Plan plan;

@@ -16,7 +16,9 @@ const TechniqueInfo& ShadowMap::description() {
         .id = "shadow_map",
         .title = "Hard shadow map",
         .paper = "Williams1978",
-        .summary = "One depth map from the light's centre and one comparison per pixel: hard edges, whatever the size of the light.",
+        .summary =
+            "One depth map from the light's centre and one comparison per pixel: hard edges, whatever the size of the "
+            "light.",
         .randomised = false,
         .on_cpu = false,
         .lights = all_light_kinds(),
@@ -28,7 +30,9 @@ const TechniqueInfo& ShadowMap::description() {
 ShadowMap::ShadowMap(const Settings& settings)
     : map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"), 2.0} {}
 
-Verdict ShadowMap::supports(const Light&) const { return {}; }
+Verdict ShadowMap::supports(const Light&) const {
+    return {};
+}
 
 Plan ShadowMap::plan(const LightSummary& summary) const {
     Plan plan;
