@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import math
 import time
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -135,18 +136,22 @@ def _parse_value(name: str, setting: dict[str, Any], text: str) -> Value:
     return value
 
 
-def jobs_of(info: dict[str, Any], settings: Settings, sweep: str) -> Iterator[Job]:
+def jobs_of(infos: list[dict[str, Any]], info: dict[str, Any], settings: Settings, sweep: str) -> Iterator[Job]:
     """What was asked for, then the steps of the sweep: one setting at a time, the others as asked for.
 
-    quick: about three values of the technique's first swept setting (its quality knob); full: all values of all.
+    quick: about three values of the technique's quality knob; full: all values of all swept settings. The knob is the
+    first swept setting that fewest techniques have: a filter's width says more about it than the size of its map.
     """
     yield Job(info, settings)
     if sweep == "off":
         return
+    owners = Counter(setting["id"] for each in infos for setting in each["settings"] if setting["sweep"])
     knobs = [setting for setting in info["settings"] if setting["sweep"]]
+    knobs.sort(key=lambda setting: owners[setting["id"]])
     for setting in knobs[:1] if sweep == "quick" else knobs:
         values = list(setting["sweep"])
         if sweep == "quick" and len(values) > QUICK_STEPS:
+            values.pop()  # the dearest often takes longer than all others together
             values = [values[round(i * (len(values) - 1) / (QUICK_STEPS - 1))] for i in range(QUICK_STEPS)]
         standing = settings.get(setting["id"], setting["default"])
         for value in values:
@@ -179,9 +184,10 @@ class Comparer:
         return lights * (_REFERENCE_WORK + count * (_IMAGE_WORK + _TIMING_WORK))
 
     def _jobs(self) -> dict[str, list[Job]]:
-        infos = choose_techniques(self._core.techniques(), self._options.techniques)
+        every = self._core.techniques()
+        infos = choose_techniques(every, self._options.techniques)
         return {
-            str(info["id"]): list(jobs_of(info, self._options.settings.get(info["id"], {}), self._options.sweep))
+            str(info["id"]): list(jobs_of(every, info, self._options.settings.get(info["id"], {}), self._options.sweep))
             for info in infos
         }
 
