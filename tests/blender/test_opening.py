@@ -110,7 +110,7 @@ def test_opening_a_file_forgets_the_one_before(kit: Kit, tmp_path: Path) -> None
         ("nothing", "hello", "has no ending; Penumbra opens .blend"),
         ("empty.blend", "", "is empty"),
         ("garbage.blend", "this is no blend file at all", "Blender cannot open"),
-        ("cut.blend", b"BLENDER-v405" + b"DATA" * 40, "Blender cannot open"),
+        ("cut.blend", b"BLENDER-v402" + b"DATA" * 40, "Blender cannot open"),
         ("future.blend", b"BLENDER17-01v0999" + b"REND" * 40, "was saved by Blender 9.99; this is Blender"),
         ("comment.obj", "# no mesh\n", "holds no mesh with faces"),
         ("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "holds no mesh with faces"),
@@ -210,7 +210,8 @@ def test_the_examples_are_what_they_say(name: str, lights: dict[str, str], trian
     assert {light.name: light.kind for light in export.scene.lights} == lights
     assert triangles[0] < export.triangles < triangles[1]
     assert export.size == (640, 360)
-    assert export.notes == []
+    # An older Blender opens them, and says so.
+    assert [note for note in export.notes if not note.startswith("saved by Blender")] == []
 
 
 def test_the_examples_are_made_the_same_again(tmp_path: Path) -> None:
