@@ -13,8 +13,10 @@ const std::vector<RuleInfo>& rules() {
         {"cube-face-without-receivers", "no visible receiver projects into the face of the light's cube", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",
-         "the reference's pilot rays and those of all neighbours agree, so no more than the least number is traced",
-         0.0},
+         "the reference's pilot rays of a pixel and its neighbours show no penumbra, so it gets the least number of "
+         "rays "
+         "that its standard error allows (tolerance: that error, 0.002 unless asked otherwise)",
+         0.002},
     };
     return table;
 }
