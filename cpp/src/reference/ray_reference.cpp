@@ -75,7 +75,7 @@ public:
             lanes_.nz[i] = receiver.normal.z;
             lanes_.offset[i] = receiver.offset;
         }
-        const std::uint32_t key = sequence_key(receiver.pixel, seed_, stream);
+        const std::uint32_t key = sequence_key(receiver.pixel, sequence_base(seed_, stream));
         const int strata = side * side;
         const int columns = points_.one_dimensional() ? strata : side;
         Sums sums;

@@ -18,11 +18,15 @@ namespace penumbra {
     return x;
 }
 
+/// What the random sequences of an image have in common. `stream` keeps the phases of one estimate apart.
+[[nodiscard]] constexpr std::uint32_t sequence_base(std::uint32_t seed, std::uint32_t stream) noexcept {
+    return mix(seed ^ mix(stream + 0x9E3779B9U));
+}
+
 /// Start of the random sequence of one pixel. Depends on nothing but its arguments, so that neither threads nor the
-/// order of the work change an image. `stream` keeps the phases of one estimate apart.
-[[nodiscard]] constexpr std::uint32_t sequence_key(std::uint32_t pixel, std::uint32_t seed,
-                                                   std::uint32_t stream) noexcept {
-    return mix(pixel ^ mix(seed ^ mix(stream + 0x9E3779B9U)));
+/// order of the work change an image.
+[[nodiscard]] PENUMBRA_INLINE constexpr std::uint32_t sequence_key(std::uint32_t pixel, std::uint32_t base) noexcept {
+    return mix(pixel ^ base);
 }
 
 /// Two independent numbers in (0, 1) for the i-th sample of a sequence: 16 bits each place a point within its

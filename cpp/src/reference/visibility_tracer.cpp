@@ -58,8 +58,8 @@ Cells make_cells(const TraceOptions& options, int count, int first, int last, bo
 }
 
 /// Sample coordinates of 16 rays whose cells start at `first`.
-PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, const std::uint32_t* keys,
-                                          SampleLanes& samples) noexcept {
+PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, std::uint32_t base,
+                                          const std::uint32_t* pixels, SampleLanes& samples) noexcept {
     const float* u = &cells.u[first];
     const float* v = &cells.v[first];
     const float* width = &cells.width[first];
@@ -68,7 +68,7 @@ PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, const s
     for (int i = 0; i < kRayLanes; ++i) {
         float a;
         float b;
-        uniform_pair(keys[i], index[i], a, b);
+        uniform_pair(sequence_key(pixels[i], base), index[i], a, b);
         samples.u[i] = u[i] + width[i] * a;
         samples.v[i] = v[i] + height[i] * b;
     }
@@ -78,7 +78,7 @@ PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, const s
 class TileTracer {
 public:
     TileTracer(const RayScene& scene, const LightPoints& points, std::uint32_t seed)
-        : batch_{scene}, points_{points}, seed_{seed} {}
+        : batch_{scene}, points_{points}, base_{sequence_base(seed, 0)} {}
 
     /// Adds the visible ones of the samples of `cells` of each listed receiver to `seen`.
     void trace(std::span<const Receiver> receivers, std::span<const std::uint16_t> listed, const Cells& cells,
@@ -105,7 +105,7 @@ public:
             if (lanes < kRayLanes) {  // idle lanes repeat a ray that is none
                 fill(receivers[listed.back()], listed.back(), lanes, kRayLanes - lanes);
             }
-            place_samples(cells, first_sample, keys_, samples_);
+            place_samples(cells, first_sample, base_, pixels_, samples_);
             points_.aim(lanes_, samples_, batch_.next());
             batch_.added(lanes);
             left -= lanes;
@@ -117,16 +117,15 @@ public:
 
 private:
     void fill(const Receiver& receiver, std::uint16_t owner, int lane, int run) noexcept {
-        const std::uint32_t key = sequence_key(receiver.pixel, seed_, 0);
         std::uint16_t* owners = &owners_[static_cast<std::size_t>(batch_.count()) + lane];
-        if (run == kRayLanes) {
-            fill_lanes(receiver, key, owner, 0, kRayLanes, owners);
+        if (run == kRayLanes) {  // constant bounds make it a few broadcasts
+            fill_lanes(receiver, owner, 0, kRayLanes, owners);
         } else {
-            fill_lanes(receiver, key, owner, lane, lane + run, owners);
+            fill_lanes(receiver, owner, lane, lane + run, owners);
         }
     }
 
-    PENUMBRA_INLINE void fill_lanes(const Receiver& receiver, std::uint32_t key, std::uint16_t owner, int from, int to,
+    PENUMBRA_INLINE void fill_lanes(const Receiver& receiver, std::uint16_t owner, int from, int to,
                                     std::uint16_t* owners) noexcept {
         for (int i = from; i < to; ++i) {
             lanes_.px[i] = receiver.position_an.x;
@@ -136,7 +135,7 @@ private:
             lanes_.ny[i] = receiver.normal.y;
             lanes_.nz[i] = receiver.normal.z;
             lanes_.offset[i] = receiver.offset;
-            keys_[i] = key;
+            pixels_[i] = receiver.pixel;
             owners[i - from] = owner;
         }
     }
@@ -151,10 +150,10 @@ private:
 
     RayBatch batch_;
     const LightPoints& points_;
-    std::uint32_t seed_;
+    std::uint32_t base_;
     ReceiverLanes lanes_{};
     SampleLanes samples_{};
-    alignas(64) std::uint32_t keys_[kRayLanes]{};
+    alignas(64) std::uint32_t pixels_[kRayLanes]{};
     std::array<std::uint16_t, RayBatch::kCapacity> owners_{};
 };
 

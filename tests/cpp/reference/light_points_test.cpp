@@ -34,7 +34,7 @@ void sample(const Light& light, const glm::dvec3& p, const glm::dvec3& n, int si
         receivers.nz[i] = static_cast<float>(n.z);
         receivers.offset[i] = offset;
     }
-    const std::uint32_t key = sequence_key(11, 3, 0);
+    const std::uint32_t key = sequence_key(11, sequence_base(3, 0));
     ASSERT_EQ(side * side % kRayLanes, 0);
     for (int first = 0; first < side * side; first += kRayLanes) {
         SampleLanes samples;

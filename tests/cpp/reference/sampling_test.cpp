@@ -56,7 +56,8 @@ TEST(UniformPair, HasTheMomentsOfIndependentUniformNumbers) {
     for (int i = 0; i < kSamples; ++i) {
         float a;
         float b;
-        uniform_pair(sequence_key(static_cast<std::uint32_t>(i / 16), 7, 0), static_cast<std::uint32_t>(i % 16), a, b);
+        uniform_pair(sequence_key(static_cast<std::uint32_t>(i / 16), sequence_base(7, 0)),
+                     static_cast<std::uint32_t>(i % 16), a, b);
         ASSERT_GT(a, 0.0F);
         ASSERT_LT(a, 1.0F);
         ASSERT_GT(b, 0.0F);
@@ -78,9 +79,9 @@ TEST(UniformPair, HasTheMomentsOfIndependentUniformNumbers) {
 }
 
 TEST(SequenceKey, DiffersBetweenPixelsSeedsAndStreams) {
-    EXPECT_NE(sequence_key(0, 1, 0), sequence_key(1, 1, 0));
-    EXPECT_NE(sequence_key(0, 1, 0), sequence_key(0, 2, 0));
-    EXPECT_NE(sequence_key(0, 1, 0), sequence_key(0, 1, 1));
+    EXPECT_NE(sequence_key(0, sequence_base(1, 0)), sequence_key(1, sequence_base(1, 0)));
+    EXPECT_NE(sequence_key(0, sequence_base(1, 0)), sequence_key(0, sequence_base(2, 0)));
+    EXPECT_NE(sequence_key(0, sequence_base(1, 0)), sequence_key(0, sequence_base(1, 1)));
 }
 
 }  // namespace
