@@ -39,10 +39,14 @@ def light_casts_shadow(light: Any) -> bool:
 
 
 def node_tree(owner: Any) -> Any | None:
-    """The owner's node tree if it is in use. From 5.0 `use_nodes` is deprecated and always true."""
-    if not getattr(owner, "use_nodes", True):
-        return None
-    return owner.node_tree
+    """The node tree of a material, light or world if it is in use.
+
+    Materials and worlds always use theirs from 5.0 on, where asking `use_nodes` is deprecated; lights still choose.
+    """
+    import bpy
+
+    always = bpy.app.version >= (5, 0, 0) and not isinstance(owner, bpy.types.Light)
+    return owner.node_tree if always or owner.use_nodes else None
 
 
 def panorama_name(camera: Any) -> str:

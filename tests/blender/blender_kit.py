@@ -96,7 +96,8 @@ class Kit:
     def material(self, name: str, node: str, **inputs: Any) -> Any:
         """A material of one shader node; input names with _ for a space."""
         material = bpy.data.materials.new(name)
-        material.use_nodes = True
+        if bpy.app.version < (5, 0, 0):
+            material.use_nodes = True
         tree = material.node_tree
         tree.nodes.clear()
         output = tree.nodes.new("ShaderNodeOutputMaterial")
