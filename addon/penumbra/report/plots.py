@@ -49,6 +49,7 @@ def pareto(comparison: Comparison) -> Drawn:
             figure.supxlabel(f"and {left_out} more lights: see report.html", fontsize=9)
         svg, png = io.BytesIO(), io.BytesIO()
         figure.savefig(svg, format="svg", metadata={"Date": None})
+        figure.set_layout_engine("none")  # it has been laid out; doing so again takes as long as drawing
         figure.savefig(png, format="png", dpi=110, pil_kwargs={"compress_level": 3})
     return Drawn(svg.getvalue(), png.getvalue())
 
