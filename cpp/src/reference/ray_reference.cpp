@@ -23,8 +23,8 @@ namespace {
 constexpr int kPilotSide = 6;
 /// Two samples per stratum.
 constexpr int kPairs = kRayLanes / 2;
-/// Rays beyond what the pilot asks for: its prediction scatters, and most pixels should end below the error asked for.
-constexpr double kSpareRays = 1.25;
+/// Rays beyond what the pilot asks for, so that most pixels end below the error asked for.
+constexpr double kSpareRays = 1.2;
 /// Streams of random numbers.
 constexpr std::uint32_t kPilotStream = 1;
 constexpr std::uint32_t kFinalStream = 2;
@@ -43,6 +43,9 @@ PENUMBRA_VECTOR_CLONES void place_pairs(int first, int columns, int rows, std::u
                                         SampleLanes& samples) noexcept {
     const float width = 1.0F / static_cast<float>(columns);
     const float height = 1.0F / static_cast<float>(rows);
+    float shift_u;
+    float shift_v;
+    uniform_pair(key, ~0U, shift_u, shift_v);
     alignas(64) float column[kPairs];
     alignas(64) float row[kPairs];
     for (int i = 0; i < kPairs; ++i) {
@@ -54,8 +57,10 @@ PENUMBRA_VECTOR_CLONES void place_pairs(int first, int columns, int rows, std::u
         float a;
         float b;
         uniform_pair(key, static_cast<std::uint32_t>(2 * first + i), a, b);
-        samples.u[i] = (column[i % kPairs] + a) * width;
-        samples.v[i] = (row[i % kPairs] + b) * height;
+        const float u = (column[i % kPairs] + a) * width + shift_u;
+        const float v = (row[i % kPairs] + b) * height + shift_v;
+        samples.u[i] = u >= 1.0F ? u - 1.0F : u;
+        samples.v[i] = v >= 1.0F ? v - 1.0F : v;
     }
 }
 
@@ -134,54 +139,112 @@ int least_side(double error) noexcept {
     return static_cast<int>(std::ceil(std::sqrt(std::sqrt(0.125) / error)));
 }
 
-/// Strata per side for `error`, from the differing pairs of the pilot (a mean over pixels, so not whole).
+/// Strata per side for `error`.
+/// @param differing  pairs that differ among the pilot's strata, as a mean over pixels, so not whole
 int wanted_side(double differing, double error, bool line) noexcept {
-    if (differing <= 0.0) {
-        return 0;
-    }
     constexpr double kStrata = kPilotSide * kPilotSide;
-    const double variance = differing / (4.0 * kStrata * kStrata);
-    // An edge crosses sqrt(n) of n strata, and one of n intervals: the variance falls with n^-3/2 and n^-2.
-    const double exponent = line ? 0.5 : 2.0 / 3.0;
-    const double strata = kSpareRays * kStrata * std::pow(variance / (error * error), exponent);
-    return static_cast<int>(std::ceil(std::sqrt(strata)));
+    const double asked = 4.0 * error * error;  // differing(n) / n^2 has to come down to this
+    if (line) {
+        // An edge crosses one of n intervals, however many.
+        return static_cast<int>(std::ceil(std::sqrt(kSpareRays * std::sqrt(differing / asked))));
+    }
+    // A long edge crosses sqrt(n) of n strata; a sliver thinner than a stratum is met in proportion to n at first, and
+    // once it is resolved it behaves like an edge that differs in about 3 pairs of the pilot.
+    const double edge = std::pow(std::max(3.0, differing) / std::sqrt(kStrata) / asked, 2.0 / 3.0);
+    const double tip = differing / kStrata / asked;
+    return static_cast<int>(std::ceil(std::sqrt(kSpareRays * std::min(edge, tip))));
 }
 
-/// For every pixel the strata per side that its own pilot and its neighbours' ask for. The mean over 3 x 3 steadies
-/// the prediction; the pixel's own count rules where it stands out, and a neighbour's half where that stands out, so
-/// that a penumbra narrower than a pixel is not missed beside its edge.
-std::vector<std::uint16_t> plan_sides(const View& view, const std::vector<std::uint8_t>& traced,
-                                      const std::vector<std::uint8_t>& differing, int least, int most, double error,
-                                      bool line, bool& reached) {
-    std::vector<std::uint16_t> sides(view.size(), 0);
-    for (int y = 0; y < view.height; ++y) {
-        for (int x = 0; x < view.width; ++x) {
-            const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x;
-            if (traced[pixel] == 0) {
-                continue;
+/// Differing pairs of the pilot in a square of pixels.
+struct Around {
+    int pixels = 0;
+    double sum = 0.0;
+    double highest = 0.0;
+    /// One standard deviation above the mean that was counted: too few rays are worse than too many.
+    [[nodiscard]] double mean() const noexcept { return (sum + std::sqrt(sum) + 0.5) / pixels; }
+};
+
+Around look_around(const View& view, const std::vector<std::uint8_t>& traced,
+                   const std::vector<std::uint8_t>& differing, int x, int y, int radius) noexcept {
+    Around around;
+    for (int ny = std::max(0, y - radius); ny <= std::min(view.height - 1, y + radius); ++ny) {
+        for (int nx = std::max(0, x - radius); nx <= std::min(view.width - 1, x + radius); ++nx) {
+            const std::size_t i = static_cast<std::size_t>(ny) * static_cast<std::size_t>(view.width) + nx;
+            if (traced[i] != 0) {
+                ++around.pixels;
+                around.sum += differing[i];
+                around.highest = std::max(around.highest, static_cast<double>(differing[i]));
             }
-            double sum = 0.0;
-            double highest_neighbour = 0.0;
-            int pixels = 0;
-            for (int ny = std::max(0, y - 1); ny <= std::min(view.height - 1, y + 1); ++ny) {
-                for (int nx = std::max(0, x - 1); nx <= std::min(view.width - 1, x + 1); ++nx) {
-                    const std::size_t other = static_cast<std::size_t>(ny) * static_cast<std::size_t>(view.width) + nx;
-                    if (traced[other] == 0) {
-                        continue;
-                    }
-                    sum += differing[other];
-                    highest_neighbour = std::max(highest_neighbour, static_cast<double>(differing[other]));
-                    ++pixels;
-                }
-            }
-            const double expected =
-                std::max({sum / pixels, 0.7 * static_cast<double>(differing[pixel]), 0.5 * highest_neighbour});
-            const int wanted = std::max(least, wanted_side(expected, error, line));
-            reached = reached && wanted <= most;
-            sides[pixel] = static_cast<std::uint16_t>(std::clamp(wanted, 1, most));
         }
     }
+    return around;
+}
+
+/// For every traced pixel the strata per side that its own pilot and those around it ask for, else 0. The mean over
+/// 3 x 3 pixels steadies the prediction, that over 5 x 5 finds the faint ends of penumbrae where the pilots of nine
+/// pixels see nothing. The pixel's own count rules where it stands out, and half a neighbour's where that stands out,
+/// so that a penumbra narrower than a pixel is not missed beside its edge.
+std::vector<std::uint16_t> plan_sides(const View& view, const std::vector<std::uint8_t>& traced,
+                                      const std::vector<std::uint8_t>& differing, int least, int most, double error,
+                                      bool line, bool& reached, Control& control) {
+    std::vector<std::uint16_t> sides(view.size(), 0);
+    std::atomic<bool> all_reached{true};
+    parallel_for(
+        view.height, 16,
+        [&](std::int64_t begin, std::int64_t end) {
+            for (int y = static_cast<int>(begin); y < end; ++y) {
+                for (int x = 0; x < view.width; ++x) {
+                    const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x;
+                    if (traced[pixel] == 0) {
+                        continue;
+                    }
+                    const Around near = look_around(view, traced, differing, x, y, 1);
+                    const Around far = look_around(view, traced, differing, x, y, 2);
+                    const double expected = std::max(
+                        {near.mean(), far.mean(), 0.5 * near.highest, 0.7 * static_cast<double>(differing[pixel])});
+                    const int wanted = std::max(least, wanted_side(expected, error, line));
+                    if (wanted > most) {
+                        all_reached = false;
+                    }
+                    sides[pixel] = static_cast<std::uint16_t>(std::clamp(wanted, 1, most));
+                }
+            }
+        },
+        control);
+    reached = all_reached;
     return sides;
+}
+
+/// What a pixel found, until its neighbours' findings are in.
+struct Found {
+    float strata = 0.0F;                ///< 0: not traced
+    float differing = 0.0F;             ///< pairs
+    float irradiance_differing = 0.0F;  ///< squares of the pairs' weighted differences over the mean weight's square
+};
+
+/// Standard error of the mean of `own.strata` pairs, by the pixel's own count and that of its 3 x 3 neighbourhood.
+///
+/// The count of one pixel scatters, and now and then it is far too small: an edge along a row of strata makes all of
+/// them agree by chance. A neighbour with n strata and d differing pairs suggests d sqrt(own.strata / n) here. The
+/// larger of the own count and its mean with the neighbourhood's counts; half a pair more, see the header.
+template <float Found::*Differing>
+float standard_error(const View& view, const std::vector<Found>& found, int x, int y) noexcept {
+    const Found& own = found[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x];
+    double differing = 0.0;
+    double roots = 0.0;
+    for (int ny = std::max(0, y - 1); ny <= std::min(view.height - 1, y + 1); ++ny) {
+        for (int nx = std::max(0, x - 1); nx <= std::min(view.width - 1, x + 1); ++nx) {
+            const Found& other = found[static_cast<std::size_t>(ny) * static_cast<std::size_t>(view.width) + nx];
+            if (other.strata > 0.0F) {
+                differing += other.*Differing;
+                roots += std::sqrt(static_cast<double>(other.strata));
+            }
+        }
+    }
+    const double own_differing = own.*Differing;
+    const double around = differing * std::sqrt(static_cast<double>(own.strata)) / roots;
+    const double count = std::max(own_differing, 0.5 * (own_differing + around)) + 0.5;
+    return static_cast<float>(std::sqrt(count) / (2.0 * own.strata));
 }
 
 /// Counts rays done against rays planned, over both phases.
@@ -305,7 +368,7 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
         });
 
     std::vector<std::uint16_t> sides = plan_sides(view, traced, differing, least, most, options.standard_error,
-                                                  points.one_dimensional(), result.reached);
+                                                  points.one_dimensional(), result.reached, control);
     if (options.keep_everything) {
         const std::uint16_t highest = *std::max_element(sides.begin(), sides.end());
         std::transform(sides.begin(), sides.end(), sides.begin(),
@@ -317,6 +380,7 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
     }
     Progress progress{control, 1.0 - pilot_share, pilot_share};
     progress.plan(planned);
+    std::vector<Found> found(view.size());
     trace_pixels(
         rays, view, points, options, traced, kFinalStream, progress, control,
         [&](std::uint32_t pixel) { return static_cast<int>(sides[pixel]); },
@@ -325,21 +389,34 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
                 return;
             }
             const double strata = static_cast<double>(side) * side;
-            const double area = sums.seen / (2.0 * strata);
-            // Half a differing pair at least: see the header.
-            const double area_error = std::sqrt(std::max(0.5, static_cast<double>(sums.differing))) / (2.0 * strata);
-            result.area[pixel] = static_cast<float>(area);
-            result.standard_error[pixel] = static_cast<float>(area_error);
+            result.area[pixel] = static_cast<float>(sums.seen / (2.0 * strata));
+            found[pixel].strata = static_cast<float>(strata);
+            found[pixel].differing = static_cast<float>(sums.differing);
             if (!(sums.w > 0.0)) {
                 return;  // nothing to shadow: 1
             }
+            // The ratio's error is that of the mean of w (visible - ratio), over the mean of w.
             const double ratio = sums.x / sums.w;
             const double squares = std::max(0.0, sums.xx - 2.0 * ratio * sums.xw + ratio * ratio * sums.ww);
+            const double mean_weight = sums.w / (2.0 * strata);
             result.irradiance[pixel] = static_cast<float>(ratio);
-            // Sums over both samples of a pair: sum / (2 strata) is a mean, and so is w.
-            result.irradiance_standard_error[pixel] =
-                static_cast<float>(std::max(std::sqrt(squares) / sums.w, std::sqrt(0.5) / (2.0 * strata)));
+            found[pixel].irradiance_differing = static_cast<float>(squares / (mean_weight * mean_weight));
         });
+    parallel_for(
+        view.height, 16,
+        [&](std::int64_t begin, std::int64_t end) {
+            for (int y = static_cast<int>(begin); y < end; ++y) {
+                for (int x = 0; x < view.width; ++x) {
+                    const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x;
+                    if (found[i].strata > 0.0F) {
+                        result.standard_error[i] = standard_error<&Found::differing>(view, found, x, y);
+                        result.irradiance_standard_error[i] =
+                            standard_error<&Found::irradiance_differing>(view, found, x, y);
+                    }
+                }
+            }
+        },
+        control);
     result.rays = traced_pixels * kPilotRays + planned;
     result.mean_rays_per_pixel = masked > 0 ? static_cast<double>(result.rays) / static_cast<double>(masked) : 0.0;
     return finish();
