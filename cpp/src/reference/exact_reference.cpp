@@ -37,7 +37,7 @@ Reference exact_reference(const Scene& scene, const View& view, const Light& lig
         if (result.mask[i] != 0) {
             pixels.push_back(i);
             positions_ws.push_back(point_on_triangle(scene, view, i));
-            normals_ws.emplace_back(view.normal_ws[i]);
+            normals_ws.emplace_back(view.shading_normal_ws[i]);  // weighs the irradiance; V knows no normal
         }
     }
     const ExactResult exact = light.casts_shadow ? exact_visibility(scene, light, positions_ws, normals_ws, control)

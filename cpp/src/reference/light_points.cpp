@@ -274,7 +274,7 @@ PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, cons
             case LightKind::Spot:
             case LightKind::Sun:
                 for (int i = 0; i < kRayLanes; ++i) {
-                    weight[i] = std::max(0.0F, r.nx[i] * dx[i] + r.ny[i] * dy[i] + r.nz[i] * dz[i]);
+                    weight[i] = std::max(0.0F, r.sx[i] * dx[i] + r.sy[i] * dy[i] + r.sz[i] * dz[i]);
                 }
                 break;
             case LightKind::Rectangle:
@@ -282,7 +282,7 @@ PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, cons
             case LightKind::Polygon:
                 for (int i = 0; i < kRayLanes; ++i) {
                     const float d2 = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
-                    const float here = std::max(0.0F, r.nx[i] * dx[i] + r.ny[i] * dy[i] + r.nz[i] * dz[i]);
+                    const float here = std::max(0.0F, r.sx[i] * dx[i] + r.sy[i] * dy[i] + r.sz[i] * dz[i]);
                     const float there =
                         std::max(0.0F, -(direction_.x * dx[i] + direction_.y * dy[i] + direction_.z * dz[i]));
                     weight[i] = d2 > 0.0F ? (here / d2) * (there / d2) : 0.0F;
@@ -293,7 +293,7 @@ PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, cons
                 const glm::vec3 axis = length > 0.0F ? half_u_an_ / length : glm::vec3(0.0F);
                 for (int i = 0; i < kRayLanes; ++i) {
                     const float d2 = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
-                    const float here = std::max(0.0F, r.nx[i] * dx[i] + r.ny[i] * dy[i] + r.nz[i] * dz[i]);
+                    const float here = std::max(0.0F, r.sx[i] * dx[i] + r.sy[i] * dy[i] + r.sz[i] * dz[i]);
                     const Vec c{dy[i] * axis.z - dz[i] * axis.y, dz[i] * axis.x - dx[i] * axis.z,
                                 dx[i] * axis.y - dy[i] * axis.x};
                     // A line without length is a point: it has no sine.

@@ -78,6 +78,9 @@ public:
             lanes_.nx[i] = receiver.normal.x;
             lanes_.ny[i] = receiver.normal.y;
             lanes_.nz[i] = receiver.normal.z;
+            lanes_.sx[i] = receiver.shading_normal.x;
+            lanes_.sy[i] = receiver.shading_normal.y;
+            lanes_.sz[i] = receiver.shading_normal.z;
             lanes_.offset[i] = receiver.offset;
         }
         const std::uint32_t key = sequence_key(receiver.pixel, sequence_base(seed_, stream));

@@ -25,14 +25,16 @@ inline constexpr float kOffsetRoundings = 16.0F;
 /// Points that ask for light, one per lane, in anchor units.
 struct alignas(64) ReceiverLanes {
     float px[kRayLanes], py[kRayLanes], pz[kRayLanes];
-    float nx[kRayLanes], ny[kRayLanes], nz[kRayLanes];  ///< unit geometric normal
+    float nx[kRayLanes], ny[kRayLanes], nz[kRayLanes];  ///< unit geometric normal: which side of the surface it is
+    float sx[kRayLanes], sy[kRayLanes], sz[kRayLanes];  ///< unit shading normal: the cosine of the irradiance
     float offset[kRayLanes];                            ///< how far off the surface a ray starts
 };
 
 /// One point that asks for light.
 struct Receiver {
     glm::vec3 position_an;
-    glm::vec3 normal;
+    glm::vec3 normal;  ///< geometric
+    glm::vec3 shading_normal;
     float offset;
     std::uint32_t pixel;
 };
@@ -49,7 +51,8 @@ public:
         // where a tiny scene lies far from the world's origin.
         const float size = std::max({largest(position_an), largest(glm::vec3(from_eye_an)), world_size_an_,
                                      scene_.coordinate_bound(view_.instance[pixel], view_.triangle[pixel])});
-        return {position_an, view_.normal_ws[pixel], offset_per_size() * size, static_cast<std::uint32_t>(pixel)};
+        return {position_an, view_.normal_ws[pixel], view_.shading_normal_ws[pixel], offset_per_size() * size,
+                static_cast<std::uint32_t>(pixel)};
     }
 
 private:

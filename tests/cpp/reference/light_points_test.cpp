@@ -32,6 +32,9 @@ void sample(const Light& light, const glm::dvec3& p, const glm::dvec3& n, int si
         receivers.nx[i] = static_cast<float>(n.x);
         receivers.ny[i] = static_cast<float>(n.y);
         receivers.nz[i] = static_cast<float>(n.z);
+        receivers.sx[i] = receivers.nx[i];
+        receivers.sy[i] = receivers.ny[i];
+        receivers.sz[i] = receivers.nz[i];
         receivers.offset[i] = offset;
     }
     const std::uint32_t key = sequence_key(11, sequence_base(3, 0));

@@ -179,6 +179,34 @@ TEST(TraceReference, TellsItsIrradianceErrorHonestly) {
     EXPECT_GT(differs, 0.02) << "irradiance and area are different questions";
 }
 
+TEST(TraceReference, WeighsIrradianceByTheShadingNormalAndAreaByNone) {
+    // As the unshadowed irradiance does, with which it is multiplied. Checked against the exact evaluation.
+    const Light light = test::rectangle({0.3, 0.2, 1.6}, 0.8, 0.6);
+    const std::vector<Point> points = test::floor_points({-0.7, -0.2}, {0.3, 0.2}, 16, 4);
+    const glm::dvec3 leaning = glm::normalize(glm::dvec3{0.9, 0.1, 0.3});
+    View view = test::view_of(points, 16);
+    const Scene scene = half_plane();
+    Control control;
+    const RayScene rays{scene, control};
+    const Reference flat = trace_reference(rays, scene, view, light, within(0.002), control);
+    std::fill(view.shading_normal_ws.begin(), view.shading_normal_ws.end(), glm::vec3(leaning));
+    const Reference smooth = trace_reference(rays, scene, view, light, within(0.002), control);
+
+    std::vector<glm::dvec3> positions;
+    for (const Point& point : points) {
+        positions.push_back(point.position_ws);
+    }
+    const std::vector<glm::dvec3> normals(points.size(), leaning);
+    const ExactResult exact = exact_visibility(scene, light, positions, normals, control);
+    EXPECT_EQ(smooth.area, flat.area);
+    double differs = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_NEAR(smooth.irradiance[i], exact.irradiance[i], 5.0F * smooth.irradiance_standard_error[i]) << i;
+        differs = std::max(differs, std::abs(static_cast<double>(smooth.irradiance[i]) - flat.irradiance[i]));
+    }
+    EXPECT_GT(differs, 0.05) << "the shading normal matters here";
+}
+
 TEST(TraceReference, IsUnbiasedEvenWhereThePilotSeesNothing) {
     // A blocker that hides 1/400 of the light: most pilots of 72 rays miss it, and an estimate that stopped there
     // would tend to 1. The mean over many pixels and seeds must not.
