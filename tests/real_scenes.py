@@ -155,6 +155,9 @@ def page(outcomes: list[Outcome], size: str, reference_error: float, environment
         name, triangles = cell(outcome.path.name), str(outcome.triangles or "")
         cells = [name, outcome.source, triangles, counted(outcome.lights), code, share, *figures]
         lines.append("| " + " | ".join([*cells, f"{outcome.seconds:.0f} s"]) + " |")
+    unseen = [outcome.path.name for outcome in outcomes if outcome.code == GOOD and not outcome.rmse]
+    if unseen:
+        lines += ["", f"Without figures, because no pixel of the picture sees the light: {', '.join(unseen)}."]
     refusals = [outcome for outcome in outcomes if outcome.sentence]
     if refusals:
         lines += ["", "## What was refused, in its own words", ""]

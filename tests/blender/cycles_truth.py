@@ -347,7 +347,7 @@ def measure_all(samples: int, only: Callable[[str, Case], bool] = lambda _scene,
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description="Penumbra's reference against Cycles")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the table between its marks in this page")
-    parser.add_argument("--samples", type=int, default=4096, help="per pixel in Cycles, over all batches")
+    parser.add_argument("--samples", type=int, default=256, help="per pixel in Cycles, over all batches")
     parser.add_argument("--scene", choices=sorted(SCENES))
     parser.add_argument("--case", help="part of a case's name")
     parser.add_argument("--save", type=Path, metavar="DIR", help="keep both images of every case as .npz")
