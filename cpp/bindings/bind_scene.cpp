@@ -39,7 +39,8 @@ void add_instance(Scene& scene, std::string name, std::shared_ptr<Mesh> mesh, co
     instance.casts = casts;
     instance.receives = receives;
     instance.visible = visible;
-    validate(instance);
+    // Scene.validate() checks it with the rest: checking the whole mesh for every instance would take minutes where
+    // there are thousands of them.
     scene.instances.push_back(std::move(instance));
 }
 

@@ -91,7 +91,8 @@ public:
     [[nodiscard]] std::vector<Measurement> measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
                                                    const TimingOptions& timing, Control& control);
     [[nodiscard]] Reference reference(std::size_t light, const ReferenceOptions& options, Control& control);
-    /// Analytic unshadowed irradiance with the shading normal, RGB W/m^2, 0 where nothing is seen.
+    /// Analytic unshadowed irradiance with the shading normal, RGB W/m^2; 0 where nothing is seen and where the face
+    /// itself turns away from the whole light, whatever its smooth normal says.
     [[nodiscard]] std::vector<glm::vec3> irradiance(std::size_t light, Control& control);
 
 private:

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gl/framebuffer.h"
@@ -36,7 +37,7 @@ public:
         TextureImage& visibility;                    ///< R32F of the view's size
         RenderTarget& visibility_target;
     };
-    Frame(const Inputs& inputs, Plan& plan) : in_{inputs}, plan_{plan} {}
+    Frame(Inputs inputs, const Plan& plan) : in_{std::move(inputs)}, plan_{plan} {}
 
     [[nodiscard]] Device& device() const noexcept { return in_.device; }
     [[nodiscard]] const Scene& scene() const noexcept { return in_.scene; }
@@ -77,7 +78,7 @@ public:
 
 private:
     Inputs in_;
-    Plan& plan_;
+    const Plan& plan_;
     std::vector<float> cpu_visibility_;
 };
 

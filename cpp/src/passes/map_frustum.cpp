@@ -90,7 +90,11 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
     double nearest_caster = kInfinity;
     for (std::uint32_t i = 0; i < summary.casters.size(); ++i) {
         Extent box;
-        bool outside_left = true, outside_right = true, outside_low = true, outside_high = true, behind = true;
+        bool outside_left = true;
+        bool outside_right = true;
+        bool outside_low = true;
+        bool outside_high = true;
+        bool behind = !face.orthographic;
         for (const glm::dvec3& corner_ws :
              corners_of(summary.caster_bounds_ws[i].low, summary.caster_bounds_ws[i].high)) {
             const glm::dvec3 p = face.ls_from_world * (corner_ws - origin_ws);
@@ -99,7 +103,7 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
             outside_right = outside_right && p.x > face.high.x * w;
             outside_low = outside_low && p.y < face.low.y * w;
             outside_high = outside_high && p.y > face.high.y * w;
-            behind = behind && !face.orthographic && p.z <= 0.0;
+            behind = behind && p.z <= 0.0;
             box.add({p.x, p.y}, p.z);
         }
         const bool past_receivers = box.nearest > extent.farthest && !summary.keep_everything;

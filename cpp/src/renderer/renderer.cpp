@@ -10,6 +10,7 @@
 #include "passes/frame.h"
 #include "passes/light_summary.h"
 #include "reference/embree_library.h"
+#include "reference/light_mask.h"
 #include "reference/ray_reference.h"
 #include "reference/ray_scene.h"
 
@@ -357,10 +358,14 @@ std::vector<glm::vec3> Renderer::irradiance(std::size_t light, Control& control)
             static_cast<std::int64_t>(view.size()), 1024,
             [&](std::int64_t begin, std::int64_t end) {
                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-                    if (view.hit(i)) {
+                    if (!view.hit(i)) {
+                        continue;
+                    }
+                    const glm::dvec3 p_ws = view.eye_ws + glm::dvec3{view.position_cr[i]};
+                    // A smooth normal may look towards a light that its face turns away from altogether.
+                    if (faces_light(chosen, p_ws, glm::dvec3{view.normal_ws[i]})) {
                         result[i] =
-                            glm::vec3{unshadowed_irradiance(chosen, view.eye_ws + glm::dvec3{view.position_cr[i]},
-                                                            glm::dvec3{view.shading_normal_ws[i]})};
+                            glm::vec3{unshadowed_irradiance(chosen, p_ws, glm::dvec3{view.shading_normal_ws[i]})};
                     }
                 }
             },
