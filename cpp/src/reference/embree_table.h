@@ -7,7 +7,7 @@
 //
 // Blender loads an Embree of its own into the global scope, under the same symbol names and perhaps of the other
 // generation. So the core never links Embree: the plugin does, it is opened in a scope of its own, and the core calls
-// through this table alone (docs/decisions, "Embree lives in a plugin").
+// through this table alone (docs/decisions/0008-rays.md).
 
 namespace penumbra::embree {
 

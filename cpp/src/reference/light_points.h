@@ -35,9 +35,10 @@ public:
     void aim(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays) const noexcept;
 
     /// The same, and the factor `weight` by which each sample counts in the irradiance: E is proportional to
-    /// mean(weight x visible), with one constant per receiver (scale() tells it). Cosine at the receiver (0 below its
-    /// horizon); area lights: one-sided cosine at the light over distance^2; line: sine to the line over distance^2;
-    /// sphere and sun: nothing more, since directions are uniform. A spot's cone is constant over its sphere.
+    /// mean(weight x visible), with one constant per receiver (scale() tells it). Cosine to the receiver's shading
+    /// normal (0 below its horizon); area lights: one-sided cosine at the light over distance^2; line: sine to the line
+    /// over distance^2; sphere and sun: nothing more, since directions are uniform. A spot's cone is constant over its
+    /// sphere.
     void aim(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays, float* weight) const noexcept;
 
     /// E / (L mean(weight x visible)) at a receiver: the area (m^2), length (m) or solid angle (sr), in world units.

@@ -5,7 +5,7 @@
 namespace penumbra {
 
 void RayBatch::trace() noexcept {
-    if (scene_.has_streams()) {
+    if (streams_) {
         for (int p = 0; p < packet_count_; ++p) {
             const RayPacket& packet = packets_[p];
             embree::Ray* ray = &rays_[p * kRayLanes];

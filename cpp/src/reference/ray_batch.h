@@ -15,7 +15,9 @@ public:
     static constexpr int kPackets = 16;
     static constexpr int kCapacity = kPackets * kRayLanes;
 
-    explicit RayBatch(const RayScene& scene) noexcept : scene_{scene} {
+    explicit RayBatch(const RayScene& scene) noexcept : RayBatch{scene, scene.has_streams()} {}
+    /// @param streams  false: packets though Embree has streams (for tests)
+    RayBatch(const RayScene& scene, bool streams) noexcept : scene_{scene}, streams_{streams} {
         for (embree::Ray& ray : rays_) {
             ray = {};
             ray.mask = ~0U;
@@ -46,6 +48,7 @@ public:
 
 private:
     const RayScene& scene_;
+    bool streams_;
     int packet_count_ = 0;
     int count_ = 0;
     alignas(64) std::array<RayPacket, kPackets> packets_;

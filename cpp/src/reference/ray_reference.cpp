@@ -70,7 +70,7 @@ public:
     PixelTracer(const RayScene& scene, const LightPoints& points, std::uint32_t seed)
         : batch_{scene}, points_{points}, seed_{seed} {}
 
-    Sums trace(const Receiver& receiver, int side, std::uint32_t stream) noexcept {
+    Sums trace(const Receiver& receiver, const glm::vec3& shading_normal, int side, std::uint32_t stream) noexcept {
         for (int i = 0; i < kRayLanes; ++i) {
             lanes_.px[i] = receiver.position_an.x;
             lanes_.py[i] = receiver.position_an.y;
@@ -78,9 +78,9 @@ public:
             lanes_.nx[i] = receiver.normal.x;
             lanes_.ny[i] = receiver.normal.y;
             lanes_.nz[i] = receiver.normal.z;
-            lanes_.sx[i] = receiver.shading_normal.x;
-            lanes_.sy[i] = receiver.shading_normal.y;
-            lanes_.sz[i] = receiver.shading_normal.z;
+            lanes_.sx[i] = shading_normal.x;
+            lanes_.sy[i] = shading_normal.y;
+            lanes_.sz[i] = shading_normal.z;
             lanes_.offset[i] = receiver.offset;
         }
         const std::uint32_t key = sequence_key(receiver.pixel, sequence_base(seed_, stream));
@@ -285,7 +285,8 @@ void trace_pixels(const RayScene& rays, const View& view, const LightPoints& poi
                 for (const Receiver& receiver : receivers) {
                     control.check();  // a pixel takes some 10 ms at the very most
                     const int side = side_of(receiver.pixel);
-                    store(receiver.pixel, side, tracer.trace(receiver, side, stream));
+                    store(receiver.pixel, side,
+                          tracer.trace(receiver, view.shading_normal_ws[receiver.pixel], side, stream));
                     cast += 2U * static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side);
                 }
                 progress.add(cast);

@@ -12,9 +12,9 @@ struct Place {
 
 constexpr auto kPlaces = [] {
     constexpr int kBlock = 4;
-    constexpr int kBlocks = Tiles::kSide / kBlock;
-    std::array<Place, Tiles::kSide * Tiles::kSide> places{};
-    for (int i = 0; i < Tiles::kSide * Tiles::kSide; ++i) {
+    constexpr int kBlocks = Tiles::kWidth / kBlock;
+    std::array<Place, Tiles::kWidth * Tiles::kHeight> places{};
+    for (int i = 0; i < Tiles::kWidth * Tiles::kHeight; ++i) {
         const int block = i / (kBlock * kBlock);
         const int within = i % (kBlock * kBlock);
         places[static_cast<std::size_t>(i)] = {static_cast<std::uint8_t>(block % kBlocks * kBlock + within % kBlock),
@@ -38,12 +38,12 @@ ReceiverMaker::ReceiverMaker(const RayScene& scene, const View& view) noexcept
 Tiles::Tiles(const RayScene& scene, const View& view) noexcept
     : make_{scene, view},
       view_{view},
-      across_{(view.width + kSide - 1) / kSide},
-      down_{(view.height + kSide - 1) / kSide} {}
+      across_{(view.width + kWidth - 1) / kWidth},
+      down_{(view.height + kHeight - 1) / kHeight} {}
 
 void Tiles::collect(std::span<const std::uint8_t> mask, std::int64_t tile, std::vector<Receiver>& out) const {
-    const int left = static_cast<int>(tile % across_) * kSide;
-    const int bottom = static_cast<int>(tile / across_) * kSide;
+    const int left = static_cast<int>(tile % across_) * kWidth;
+    const int bottom = static_cast<int>(tile / across_) * kHeight;
     out.resize(kPlaces.size());
     std::size_t count = 0;
     for (const Place place : kPlaces) {

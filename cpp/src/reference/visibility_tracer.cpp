@@ -87,6 +87,7 @@ public:
         // the tile's last packet.
         std::size_t at = 0;
         int sample = 0;
+        whole_ = nullptr;
         std::int64_t left = static_cast<std::int64_t>(listed.size()) * cells.count;
         while (left > 0) {
             const int lanes = static_cast<int>(std::min<std::int64_t>(kRayLanes, left));
@@ -117,16 +118,17 @@ public:
 
 private:
     void fill(const Receiver& receiver, std::uint16_t owner, int lane, int run) noexcept {
-        std::uint16_t* owners = &owners_[static_cast<std::size_t>(batch_.count()) + lane];
-        if (run == kRayLanes) {  // constant bounds make it a few broadcasts
-            fill_lanes(receiver, owner, 0, kRayLanes, owners);
-        } else {
-            fill_lanes(receiver, owner, lane, lane + run, owners);
+        std::fill_n(&owners_[static_cast<std::size_t>(batch_.count()) + lane], run, owner);
+        if (run < kRayLanes) {
+            fill_lanes(receiver, lane, lane + run);
+            whole_ = nullptr;
+        } else if (whole_ != &receiver) {  // else the lanes hold it already: many rays per pixel
+            fill_lanes(receiver, 0, kRayLanes);
+            whole_ = &receiver;
         }
     }
 
-    PENUMBRA_INLINE void fill_lanes(const Receiver& receiver, std::uint16_t owner, int from, int to,
-                                    std::uint16_t* owners) noexcept {
+    PENUMBRA_INLINE void fill_lanes(const Receiver& receiver, int from, int to) noexcept {
         for (int i = from; i < to; ++i) {
             lanes_.px[i] = receiver.position_an.x;
             lanes_.py[i] = receiver.position_an.y;
@@ -136,7 +138,6 @@ private:
             lanes_.nz[i] = receiver.normal.z;
             lanes_.offset[i] = receiver.offset;
             pixels_[i] = receiver.pixel;
-            owners[i - from] = owner;
         }
     }
 
@@ -155,6 +156,7 @@ private:
     SampleLanes samples_{};
     alignas(64) std::uint32_t pixels_[kRayLanes]{};
     std::array<std::uint16_t, RayBatch::kCapacity> owners_{};
+    const Receiver* whole_ = nullptr;  ///< the receiver that fills all lanes, if one does
 };
 
 /// Pixels of a piece of parallel work: few rays per pixel make large pieces, many rays a single tile.

@@ -52,8 +52,18 @@ inline std::shared_ptr<Mesh> cube(float half) {
     for (int i = 0; i < 8; ++i) {
         p.emplace_back((i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half, (i & 4) != 0 ? half : -half);
     }
-    return make_mesh(p, {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                         {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}});
+    return make_mesh(p, {{0, 2, 1},
+                         {1, 2, 3},
+                         {4, 5, 6},
+                         {5, 7, 6},
+                         {0, 1, 4},
+                         {1, 5, 4},
+                         {2, 6, 3},
+                         {3, 6, 7},
+                         {0, 4, 2},
+                         {2, 4, 6},
+                         {1, 3, 5},
+                         {3, 7, 5}});
 }
 
 /// Latitude-longitude sphere, closed.
@@ -90,7 +100,9 @@ inline Instance place(std::shared_ptr<const Mesh> mesh, const glm::dmat4& world_
     return instance;
 }
 
-inline glm::dmat4 moved(const glm::dvec3& by) { return glm::translate(glm::dmat4{1.0}, by); }
+inline glm::dmat4 moved(const glm::dvec3& by) {
+    return glm::translate(glm::dmat4{1.0}, by);
+}
 
 inline Light point_light(const glm::dvec3& at, double radius) {
     Light light;
