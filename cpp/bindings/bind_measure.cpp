@@ -37,8 +37,10 @@ py::dict errors(const std::vector<Array<float>>& visibility, const Array<float>&
     if (mask.ndim() != 2) {
         throw InvalidSettings("the mask has shape " + shape_text(mask) + ", but (height, width) is needed");
     }
-    const py::ssize_t height = mask.shape(0), width = mask.shape(1);
+    const py::ssize_t height = mask.shape(0);
+    const py::ssize_t width = mask.shape(1);
     std::vector<std::span<const float>> images;
+    images.reserve(visibility.size());
     for (const auto& image : visibility) {
         images.push_back(image_span(image, height, width, "visibility"));
     }

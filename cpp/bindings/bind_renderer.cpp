@@ -112,6 +112,7 @@ py::dict visibility(PyRenderer& self, std::size_t light, const std::string& tech
 py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pair<std::string, py::dict>>& jobs,
                  bool keep_everything, double max_seconds, int min_runs, int max_runs, const py::object& progress) {
     std::vector<Job> wanted;
+    wanted.reserve(jobs.size());
     for (const auto& [technique, settings] : jobs) {
         wanted.push_back({technique, settings_from(settings)});
     }

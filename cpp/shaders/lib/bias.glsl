@@ -14,8 +14,9 @@ MapPoint find_biased(vec3 p_cr, vec3 n_ws) {
     MapPoint at = find_in_map(p_cr, n_ws);
 #if BIAS_MODE == 4
     vec3 l = normalize(to_light(p_cr));
-    float sine = length(cross(n_ws, l));
-    MapPoint moved = find_in_map(p_cr + n_ws * (bias_scale * at.texel_m * sine), n_ws);
+    vec3 n = normalize(n_ws);
+    float sine = length(cross(n, l));
+    MapPoint moved = find_in_map(p_cr + n * (bias_scale * at.texel_m * sine), n_ws);
     if (moved.face >= 0) {
         at = moved;
     }

@@ -20,7 +20,7 @@ struct MapPoint {
     vec2 slope;       // change of z_ls of the receiver's plane per texel in x and y, metres
     float texel_m;    // width of a texel at the receiver, metres
     float towards_m;  // distance of the light point from the receiver's plane: > 0 if the surface faces it;
-                      // orthographic: the cosine
+                      // orthographic: the cosine; both times the length of the normal that was given
 };
 
 MapPoint find_in_face(int face_index, vec3 p_rel, vec3 n_ws) {

@@ -9,18 +9,19 @@ uint pack_normal(vec3 n) {
     return max(packUnorm2x16(0.5 * o + 0.5), 1u);
 }
 
+// Not of unit length: a plane's slope in a map and the side it faces do not depend on it.
 vec3 unpack_normal(uint packed_normal) {
     vec2 o = 2.0 * unpackUnorm2x16(packed_normal) - 1.0;
     vec3 n = vec3(o, 1.0 - abs(o.x) - abs(o.y));
     float fold = max(-n.z, 0.0);
     n.x += n.x >= 0.0 ? -fold : fold;
     n.y += n.y >= 0.0 ? -fold : fold;
-    return normalize(n);
+    return n;
 }
 
 struct Receiver {
     vec3 position_cr;
-    vec3 normal_ws;
+    vec3 normal_ws;  // not unit
     bool seen;
 };
 

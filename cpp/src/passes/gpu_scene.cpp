@@ -30,19 +30,20 @@ bool GpuScene::update(const Scene& scene) {
     const bool geometry_changed = meshes != meshes_ || !vertex_array_;
     if (geometry_changed) {
         meshes_ = std::move(meshes);
-        send_geometry(scene);
+        send_geometry();
     }
     send_instances(scene);
     return geometry_changed;
 }
 
-void GpuScene::send_geometry(const Scene&) {
+void GpuScene::send_geometry() {
     std::vector<glm::vec3> positions;
     std::vector<std::uint32_t> indices;
     std::vector<glm::vec3> normals;
     std::vector<std::uint32_t> materials;
     ranges_.clear();
-    std::size_t vertex_total = 0, triangle_total = 0;
+    std::size_t vertex_total = 0;
+    std::size_t triangle_total = 0;
     for (const auto& mesh : meshes_) {
         vertex_total += mesh->positions_local.size();
         triangle_total += mesh->triangles.size();
@@ -157,7 +158,8 @@ std::vector<gpu::InstanceExact> GpuScene::exact_relative_to(const glm::dvec3& or
 }
 
 void GpuScene::draw(std::span<const std::uint32_t> instances, Cull cull) {
-    std::vector<DrawCommand> straight, mirrored;
+    std::vector<DrawCommand> straight;
+    std::vector<DrawCommand> mirrored;
     for (const std::uint32_t i : instances) {
         const MeshRange& range = ranges_[mesh_of_instance_[i]];
         if (range.index_count > 0) {

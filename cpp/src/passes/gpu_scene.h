@@ -45,7 +45,7 @@ private:
         glm::dvec3 centre_local{0.0};
         Bounds bounds_local;
     };
-    void send_geometry(const Scene& scene);
+    void send_geometry();
     void send_instances(const Scene& scene);
 
     std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before

@@ -93,7 +93,7 @@ public:
         return *s.view;
     }
 
-    const Light& light(std::size_t index) const {
+    [[nodiscard]] const Light& light(std::size_t index) const {
         const auto& lights = state_->scene->lights;
         if (index >= lights.size()) {
             throw InvalidScene("there is no light " + std::to_string(index) + "; the scene has " +

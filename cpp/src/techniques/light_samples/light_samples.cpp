@@ -78,7 +78,7 @@ LightSamples::LightSamples(const Settings& settings)
       facing_test_{get_bool(settings, "facing_test")},
       bias_{map_bias_from(settings)} {}
 
-Verdict LightSamples::supports(const Light&) const {
+Verdict LightSamples::supports(const Light& /*light*/) const {
     return {};
 }
 
@@ -167,7 +167,8 @@ void LightSamples::prepare(Frame& frame) {
     const LightKind kind = frame.light().kind;
     samples_ = fit_samples(frame.summary());
     sphere_ = (kind == LightKind::Point || kind == LightKind::Spot) && samples_.size() > 1;
-    std::size_t layers = 0, most = 0;
+    std::size_t layers = 0;
+    std::size_t most = 0;
     for (const Sample& sample : samples_) {
         layers += sample.frustum.faces.size();
         most = std::max(most, sample.frustum.faces.size());

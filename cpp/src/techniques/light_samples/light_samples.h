@@ -31,7 +31,7 @@ private:
         int first_layer = 0;
     };
     [[nodiscard]] std::vector<Sample> fit_samples(const LightSummary& summary) const;
-    void render_maps(Frame& frame, std::size_t sample, int first_layer);
+    void render_maps(Frame& frame, std::size_t index, int first_layer);
     [[nodiscard]] const Program& accumulation(Frame& frame, const Sample& sample) const;
     void accumulate(Frame& frame, const Sample& sample, int first_layer);
 

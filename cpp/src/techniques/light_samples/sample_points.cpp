@@ -41,6 +41,7 @@ std::vector<double> unit_interval(int count, std::string_view pattern, std::uint
     std::mt19937_64 random{seed};
     std::uniform_real_distribution<double> uniform{0.0, 1.0};
     std::vector<double> points;
+    points.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         points.push_back((i + (pattern == "grid" ? 0.5 : uniform(random))) / count);
     }
@@ -100,9 +101,11 @@ std::vector<LightSamplePoint> sample_points(const Light& light, int count, std::
         }
         return points;
     }
-    glm::dvec3 sun_u, sun_v;
+    glm::dvec3 sun_u;
+    glm::dvec3 sun_v;
     frame_around(light.direction_ws, sun_u, sun_v);
-    glm::dvec3 cap_u, cap_v;
+    glm::dvec3 cap_u;
+    glm::dvec3 cap_v;
     frame_around(cap.axis_ws, cap_u, cap_v);
     for (const glm::dvec2& u : unit_square(count, pattern, seed)) {
         LightSamplePoint point = centre;

@@ -70,7 +70,7 @@ Pcf::Pcf(const Settings& settings)
       map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"),
            reach_texels(settings)} {}
 
-Verdict Pcf::supports(const Light&) const {
+Verdict Pcf::supports(const Light& /*light*/) const {
     return {};
 }
 

@@ -66,7 +66,7 @@ RayTraced::RayTraced(const Settings& settings)
       early_out_{get_bool(settings, "early_out")},
       early_out_rays_{get_int(settings, "early_out_rays")} {}
 
-Verdict RayTraced::supports(const Light&) const {
+Verdict RayTraced::supports(const Light& /*light*/) const {
     return {};
 }
 
@@ -96,7 +96,7 @@ void RayTraced::prepare(Frame& frame) {
     }
 }
 
-void RayTraced::update(Frame&) {}
+void RayTraced::update(Frame& /*frame*/) {}
 
 void RayTraced::resolve(Frame& frame) {
     frame.step("rays", [&] {

@@ -30,7 +30,7 @@ const TechniqueInfo& ShadowMap::description() {
 ShadowMap::ShadowMap(const Settings& settings)
     : map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"), 2.0} {}
 
-Verdict ShadowMap::supports(const Light&) const {
+Verdict ShadowMap::supports(const Light& /*light*/) const {
     return {};
 }
 
