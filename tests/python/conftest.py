@@ -28,8 +28,14 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Mon
 
 @pytest.fixture(scope="session")
 def environment() -> dict[str, str]:
-    """For subprocesses: they find what this process finds."""
-    return os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    """For subprocesses: they find the packages that this process found at its start.
+
+    Not all of sys.path: Blender, imported by another test of this process, adds folders to it, and the package `bpy` in
+    one of them would hide the module.
+    """
+    own = [path for path in sys.path if path == str(ROOT / "addon")]
+    given = [path for path in (os.environ.get("PYTHONPATH"),) if path]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(own + given)}
 
 
 Result = subprocess.CompletedProcess[str]
