@@ -1,5 +1,7 @@
 #include <pybind11/stl.h>
 
+#include <array>
+
 #include "bindings.h"
 #include "convert.h"
 #include "gl/device.h"
@@ -14,8 +16,8 @@ using namespace pybind11::literals;
 namespace {
 
 const char* type_name(const SettingValue& value) {
-    static constexpr const char* kNames[] = {"bool", "int", "float", "choice"};
-    return kNames[value.index()];
+    static constexpr std::array kNames{"bool", "int", "float", "choice"};
+    return kNames.at(value.index());
 }
 
 py::dict describe_setting(const SettingInfo& info) {
@@ -32,7 +34,8 @@ py::dict describe_setting(const SettingInfo& info) {
 py::list list_techniques() {
     py::list all;
     for (const TechniqueInfo& info : techniques()) {
-        py::list lights, settings;
+        py::list lights;
+        py::list settings;
         for (const LightKind kind : info.lights) {
             lights.append(std::string{to_string(kind)});
         }

@@ -24,9 +24,9 @@ int cores_of_this_process() noexcept {
 
 int chosen_thread_count() noexcept {
     if (const char* text = std::getenv("PENUMBRA_THREADS")) {
-        const int wanted = std::atoi(text);
+        const long wanted = std::strtol(text, nullptr, 10);
         if (wanted >= 1) {
-            return std::min(wanted, 1024);
+            return static_cast<int>(std::min(wanted, 1024L));
         }
     }
     return cores_of_this_process();

@@ -71,8 +71,11 @@ std::string over_darkening_sentence(const ErrorSummary& s, double beside) {
 }
 
 std::string aliasing_sentence(const ErrorSummary& s) {
-    return join("Aliasing dominates: errors that depend on where a pixel lies, such as staircase edges, bands or acne ",
-                share_of_rmse(s.parts.aliasing, s.rmse), "; a finer map or more samples help.");
+    return join(
+        "Aliasing dominates: errors that depend on where a pixel lies, such as staircase edges, bands, acne, or hard "
+        "edges where penumbrae overlap ",
+        share_of_rmse(s.parts.aliasing, s.rmse),
+        "; a finer map or more samples help against all but the last, as a sweep tells.");
 }
 
 std::string sentence_of_the_dominant(const ErrorSummary& summary, double share_beside_edges) {

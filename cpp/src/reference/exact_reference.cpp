@@ -32,7 +32,8 @@ Reference exact_reference(const Scene& scene, const View& view, const Light& lig
     result.method = "exact";
     result.mask = light_mask(scene, view, light);
     std::vector<std::size_t> pixels;
-    std::vector<glm::dvec3> positions_ws, normals_ws;
+    std::vector<glm::dvec3> positions_ws;
+    std::vector<glm::dvec3> normals_ws;
     for (std::size_t i = 0; i < view.size(); ++i) {
         if (result.mask[i] != 0) {
             pixels.push_back(i);
