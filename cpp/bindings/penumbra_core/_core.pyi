@@ -288,10 +288,12 @@ class Renderer:
         seed: typing.SupportsInt | typing.SupportsIndex = 1,
         max_rays_per_pixel: typing.SupportsInt | typing.SupportsIndex = 65536,
         keep_everything: bool = False,
+        exact: bool = False,
         progress: typing.Any = None,
     ) -> dict:
         """
         The truth by ray tracing to a standard error: area and irradiance (h, w) float32, and more.
+        exact: float64 boundary intervals instead, for rectangle and polygon lights.
         """
     def set_scene(self, scene: Scene) -> None:
         """
