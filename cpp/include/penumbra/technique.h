@@ -1,5 +1,6 @@
 #pragma once
 
+#include <glm/glm.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,17 @@ struct Verdict {
     [[nodiscard]] explicit operator bool() const noexcept { return reason.empty(); }
 };
 
+/// A picture of a technique's inside, for people.
+struct DebugImage {
+    int width_px = 0, height_px = 0;
+    std::vector<glm::vec3> rgb;  ///< display values 0 .. 1, row 0 at the bottom
+    std::string caption;         ///< one sentence: what is seen, what the colours mean
+};
+struct DebugView {
+    std::string id;     ///< "silhouettes", "penumbra_map"
+    std::string title;  ///< "Silhouettes as the light sees them"
+};
+
 /// One way to turn (scene, view, light, settings) into V per pixel: 0 umbra .. 1 lit.
 ///
 /// All calls come from the render thread. A Technique object serves one light with one set of settings and owns the
@@ -50,6 +62,11 @@ public:
     /// View space: V at every pixel into frame.visibility().
     virtual void resolve(Frame& frame) = 0;
     [[nodiscard]] virtual std::size_t memory_bytes() const noexcept = 0;
+
+    /// What debug_image() can draw, after plan(); a view of a step that is left out is not among them.
+    [[nodiscard]] virtual std::vector<DebugView> debug_views() const { return {}; }
+    /// After update() and resolve(). @param id one of debug_views()
+    [[nodiscard]] virtual DebugImage debug_image(Frame& /*frame*/, std::string_view /*id*/) { return {}; }
 };
 
 /// All techniques, in the order users see them.
