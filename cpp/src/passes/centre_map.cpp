@@ -1,5 +1,7 @@
 #include "passes/centre_map.h"
 
+#include <algorithm>
+
 #include "passes/frame.h"
 
 namespace penumbra {
@@ -13,7 +15,26 @@ std::string peel_name(const MapFace& face) {
     return "second depth map, " + face.name;
 }
 
+std::string receiver_name(const MapFace& face) {
+    return "receiver depth map, " + face.name;
+}
+
+/// Casters of the face, and all receivers: a depth map keeps the nearest of them.
+std::vector<std::uint32_t> casters_and_receivers(const LightSummary& summary, const MapFace& face) {
+    std::vector<std::uint32_t> instances = casters_in(summary, face);
+    instances.insert(instances.end(), summary.receivers.begin(), summary.receivers.end());
+    std::sort(instances.begin(), instances.end());
+    instances.erase(std::unique(instances.begin(), instances.end()), instances.end());
+    return instances;
+}
+
 }  // namespace
+
+bool CentreMap::needs_receiver_map(const LightSummary& summary) const noexcept {
+    // Simplified casters are not where their full meshes are seen to be, and culled ones leave no nearest surface.
+    return options_.with_receivers && (summary.receivers_not_casting > 0 || summary.keep_everything ||
+                                       caster_scene_ != nullptr || options_.bias.cull() != Cull::None);
+}
 
 bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan& plan) const {
     const LightSummary::Trivial trivial = summary.trivial();
@@ -23,16 +44,23 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
         return false;
     }
     const Light& light = *summary.light;
-    const MapFrustum frustum = fit_map_frustum(summary, light.position_ws, light.direction_ws, options_);
+    const MapFrustum frustum = fit_map_frustum(summary, light.position_ws, light.direction_ws, frustum_options_);
     for (const MapFace& face : frustum.faces) {
         plan.run(step_name(face));
         if (midpoint()) {
             plan.run(peel_name(face));
         }
+        if (needs_receiver_map(summary)) {
+            plan.run(receiver_name(face));
+        }
     }
     for (const std::string& face : frustum.faces_without_receivers) {
         plan.leave_out("depth map, " + face, "cube-face-without-receivers",
                        "no visible receiver lies in this face of the light's cube");
+    }
+    if (options_.with_receivers && !needs_receiver_map(summary)) {
+        plan.leave_out("receiver depth map", "every-receiver-casts",
+                       "every visible receiver casts, so the map of casters holds it");
     }
     if (summary.casters_outside > 0) {
         plan.leave_out("casters out of reach", "caster-outside-hull",
@@ -45,12 +73,17 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
 
 void CentreMap::allocate(Frame& frame) {
     const Light& light = frame.light();
-    frustum_ = fit_map_frustum(frame.summary(), light.position_ws, light.direction_ws, options_);
+    frustum_ = fit_map_frustum(frame.summary(), light.position_ws, light.direction_ws, frustum_options_);
     const int layers = static_cast<int>(frustum_.faces.size());
     if (layers > 0) {
         map_.allocate(options_.size_px, layers, "depth map");
         if (midpoint()) {
             second_map_.allocate(options_.size_px, layers, "second depth map");
+        }
+        if (needs_receiver_map(frame.summary())) {
+            receiver_map_.allocate(options_.size_px, layers, "receiver depth map");
+        } else {
+            receiver_map_ = DepthMap{};
         }
     }
 }
@@ -62,26 +95,41 @@ void CentreMap::update(Frame& frame) {
     }
     block_ =
         make_map_block(frustum_, frame.light(), frame.light().direction_ws, frame.summary().eye_ws, options_.size_px);
-    setup_.bind_for_depth(frame, frustum_, block_);
+    GpuScene& casters = caster_scene_ != nullptr ? *caster_scene_ : frame.gpu_scene();
+    setup_.bind_for_depth(casters, frustum_, block_);
     for (std::size_t i = 0; i < frustum_.faces.size(); ++i) {
         const int layer = static_cast<int>(i);
-        frame.step(step_name(frustum_.faces[i]), [&] { map_.render(frame, frustum_, i, layer, bias_.cull()); });
+        const auto instances = casters_in(frame.summary(), frustum_.faces[i]);
+        frame.step(step_name(frustum_.faces[i]),
+                   [&] { map_.render(frame, casters, instances, i, layer, options_.bias.cull()); });
         if (midpoint()) {
             frame.step(peel_name(frustum_.faces[i]),
-                       [&] { second_map_.render(frame, frustum_, i, layer, Cull::None, &map_); });
+                       [&] { second_map_.render(frame, casters, instances, i, layer, Cull::None, &map_); });
+        }
+    }
+    if (needs_receiver_map(frame.summary())) {
+        if (caster_scene_ != nullptr) {
+            setup_.bind_for_depth(frame.gpu_scene(), frustum_, block_);
+        }
+        for (std::size_t i = 0; i < frustum_.faces.size(); ++i) {
+            frame.step(receiver_name(frustum_.faces[i]), [&] {
+                receiver_map_.render(frame, frame.gpu_scene(),
+                                     casters_and_receivers(frame.summary(), frustum_.faces[i]), i, static_cast<int>(i),
+                                     Cull::None);
+            });
         }
     }
 }
 
 const Program& CentreMap::lookup(Frame& frame, std::string_view fragment, const Defines& more) const {
-    Defines defines = bias_.defines(frustum_, facing_test_);
-    defines.insert(defines.end(), more.begin(), more.end());
-    return frame.device().programs.get({"lib/fullscreen.vert", fragment}, defines);
+    Defines all = defines();
+    all.insert(all.end(), more.begin(), more.end());
+    return frame.device().programs.get({"lib/fullscreen.vert", fragment}, all);
 }
 
 void CentreMap::bind(const Program& program) {
     setup_.bind_for_lookup(block_);
-    bias_.set_uniforms(program);
+    options_.bias.set_uniforms(program);
     if (map_.texture()) {
         map_.texture().bind(2);
     }

@@ -41,8 +41,8 @@ void DepthMap::allocate(int size_px, int layers, std::string_view what) {
     }
 }
 
-void DepthMap::render(Frame& frame, const MapFrustum& frustum, std::size_t face, int layer, Cull cull,
-                      const DepthMap* peel) {
+void DepthMap::render(Frame& frame, GpuScene& gpu_scene, std::span<const std::uint32_t> instances, std::size_t face,
+                      int layer, Cull cull, const DepthMap* peel) {
     RenderTarget& target = targets_[static_cast<std::size_t>(layer)];
     target.bind();
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -60,16 +60,12 @@ void DepthMap::render(Frame& frame, const MapFrustum& frustum, std::size_t face,
         peel->texture().bind(0);
     }
     program.use();
-    std::vector<std::uint32_t> instances;
-    for (const std::uint32_t caster : frustum.faces[face].casters) {
-        instances.push_back(frame.summary().casters[caster]);
-    }
-    frame.gpu_scene().draw(instances, cull);
+    gpu_scene.draw(instances, cull);
     glDisable(GL_DEPTH_CLAMP);
 }
 
-void MapSetup::bind_for_depth(Frame& frame, const MapFrustum& frustum, const gpu::MapBlock& block) {
-    const auto relative = frame.gpu_scene().relative_to(frustum.origin_ws);
+void MapSetup::bind_for_depth(const GpuScene& gpu_scene, const MapFrustum& frustum, const gpu::MapBlock& block) {
+    const auto relative = gpu_scene.relative_to(frustum.origin_ws);
     instances_.replace(std::span<const gpu::InstanceBlock>{relative});
     instances_.bind_storage(0);
     bind_for_lookup(block);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "gl/framebuffer.h"
@@ -23,9 +25,10 @@ public:
     /// @throws InvalidSettings or OutOfMemory with size and layers
     void allocate(int size_px, int layers, std::string_view what);
     /// Draws one face into one layer; clears it first.
-    /// @param first_layer_of_peel a map of the same size whose layer `layer` is peeled off, or nullptr
-    void render(Frame& frame, const MapFrustum& frustum, std::size_t face, int layer, Cull cull,
-                const DepthMap* peel = nullptr);
+    /// @param instances of `gpu_scene`, whose transforms MapSetup has bound
+    /// @param peel a map of the same size whose layer `layer` is peeled off, or nullptr
+    void render(Frame& frame, GpuScene& gpu_scene, std::span<const std::uint32_t> instances, std::size_t face,
+                int layer, Cull cull, const DepthMap* peel = nullptr);
 
     [[nodiscard]] const TextureImage& texture() const noexcept { return texture_; }
     [[nodiscard]] TextureImage& texture() noexcept { return texture_; }
@@ -40,7 +43,7 @@ private:
 class MapSetup {
 public:
     /// Composes all instances relative to the frustum's origin in float64 and binds storage 0 and uniform 1.
-    void bind_for_depth(Frame& frame, const MapFrustum& frustum, const gpu::MapBlock& block);
+    void bind_for_depth(const GpuScene& gpu_scene, const MapFrustum& frustum, const gpu::MapBlock& block);
     void bind_for_lookup(const gpu::MapBlock& block);
 
 private:

@@ -66,7 +66,8 @@ std::vector<glm::dvec3> separating_axes(const glm::dvec3& main_direction) {
     return axes;
 }
 
-void collect_receivers(const View& view, LightSummary& summary) {
+void collect_receivers(const Scene& scene, const View& view, LightSummary& summary) {
+    std::vector<std::uint8_t> seen(scene.instances.size(), 0);
     for (int ty = 0; ty < view.height; ty += kTile_px) {
         for (int tx = 0; tx < view.width; tx += kTile_px) {
             ReceiverTile tile;
@@ -80,6 +81,7 @@ void collect_receivers(const View& view, LightSummary& summary) {
                         continue;
                     }
                     const glm::vec3& p = view.position_cr[i];
+                    seen[static_cast<std::size_t>(view.instance[i])] = 1;
                     tile.low_cr = glm::min(tile.low_cr, p);
                     tile.high_cr = glm::max(tile.high_cr, p);
                     summary.receiver_points_cr.push_back(p);
@@ -94,6 +96,12 @@ void collect_receivers(const View& view, LightSummary& summary) {
         }
     }
     summary.lit_pixels = summary.receiver_points_cr.size();
+    for (std::uint32_t i = 0; i < seen.size(); ++i) {
+        if (seen[i] != 0) {
+            summary.receivers.push_back(i);
+            summary.receivers_not_casting += scene.instances[i].casts ? 0 : 1;
+        }
+    }
 }
 
 bool may_cast(const Bounds& caster_ws, const LightSummary& summary, const Bounds& light_bounds,
@@ -156,7 +164,7 @@ LightSummary summarise_light(const Scene& scene, const View& view, const Light& 
     summary.has_extent = !has_no_extent(light);
     summary.keep_everything = keep_everything;
     summary.mask = light_mask(scene, view, light);
-    collect_receivers(view, summary);
+    collect_receivers(scene, view, summary);
 
     const Bounds light_bounds = bounds_of(light);
     const glm::dvec3 receivers_centre = summary.receivers_ws.centre();

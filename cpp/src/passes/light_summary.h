@@ -32,6 +32,9 @@ struct LightSummary {
     std::vector<glm::vec3> receiver_points_cr;  ///< positions of the mask's pixels, tile by tile
     Bounds receivers_ws;                        ///< box of the mask's pixels; empty if there are none
 
+    std::vector<std::uint32_t> receivers;     ///< instances seen at a pixel of the mask, ascending
+    std::uint32_t receivers_not_casting = 0;  ///< of these, how many do not cast: no depth map of casters holds them
+
     std::vector<std::uint32_t> casters;  ///< instances that can cast onto a visible receiver (all if keep_everything)
     std::vector<std::uint8_t> caster_needed;  ///< 0 only with keep_everything: drawn, but must not matter
     std::uint32_t casters_outside = 0;        ///< casting instances outside every light-receiver hull

@@ -37,6 +37,24 @@ glm::dmat3 rotation_with_z(const glm::dvec3& z_ws) {
     return glm::transpose(glm::dmat3{x_ws, y_ws, z_ws});
 }
 
+/// z along the light's normal and x along its first axis, where the kind has them.
+glm::dmat3 rotation_of_light(const Light& light) {
+    const glm::dvec3 z_ws = light.direction_ws;
+    const glm::dvec3 along_ws = light.kind == LightKind::Polygon && light.corners_ws.size() > 1
+                                    ? light.corners_ws[1] - light.corners_ws[0]
+                                    : light.half_u_ws;
+    const glm::dvec3 in_plane = along_ws - glm::dot(along_ws, z_ws) * z_ws;
+    if (!(glm::length(in_plane) > 0.0)) {
+        return rotation_with_z(z_ws);
+    }
+    const glm::dvec3 x_ws = glm::normalize(in_plane);
+    return glm::transpose(glm::dmat3{x_ws, glm::cross(z_ws, x_ws), z_ws});
+}
+
+bool is_flat_area(LightKind kind) {
+    return kind == LightKind::Rectangle || kind == LightKind::Ellipse || kind == LightKind::Polygon;
+}
+
 std::array<glm::dvec3, 8> corners_of(const glm::dvec3& low, const glm::dvec3& high) {
     std::array<glm::dvec3, 8> corners;
     for (std::size_t i = 0; i < 8; ++i) {
@@ -128,6 +146,15 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
 
 }  // namespace
 
+std::vector<std::uint32_t> casters_in(const LightSummary& summary, const MapFace& face) {
+    std::vector<std::uint32_t> instances;
+    instances.reserve(face.casters.size());
+    for (const std::uint32_t caster : face.casters) {
+        instances.push_back(summary.casters[caster]);
+    }
+    return instances;
+}
+
 MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin_ws, const glm::dvec3& direction_ws,
                            const MapFrustumOptions& options) {
     MapFrustum frustum;
@@ -166,10 +193,11 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
             mean += p / length * static_cast<double>(tile.pixel_count);
         }
     }
-    if (glm::length(mean) > 0.0) {
+    const bool along_normal = options.along_light_normal && is_flat_area(summary.light->kind);
+    if (glm::length(mean) > 0.0 || along_normal) {
         MapFace face;
         face.name = "front";
-        face.ls_from_world = rotation_with_z(glm::normalize(mean));
+        face.ls_from_world = along_normal ? rotation_of_light(*summary.light) : rotation_with_z(glm::normalize(mean));
         Extent extent;
         bool fits = true;
         for (const ReceiverTile& tile : summary.tiles) {
@@ -195,7 +223,9 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         }
     }
 
-    const glm::dmat3 base = rotation_with_z(glm::length(direction_ws) > 0.0 ? direction_ws : glm::dvec3{0, 0, -1});
+    const glm::dmat3 base =
+        along_normal ? rotation_of_light(*summary.light)
+                     : rotation_with_z(glm::length(direction_ws) > 0.0 ? direction_ws : glm::dvec3{0, 0, -1});
     std::array<glm::dmat3, 6> rotation;
     std::array<Extent, 6> extent;
     for (int i = 0; i < 6; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct MapFrustum {
 struct MapFrustumOptions {
     int size_px = 1024;
     double margin_texels = 2.0;  ///< kept free around the receivers: filter radius and bias offsets
+    /// Area lights: z along the light's normal and x along its first half axis, so that the light lies in the plane
+    /// z_ls = 0 and its outline keeps its shape in the map. The fitted frustum is then off-centre.
+    bool along_light_normal = false;
 };
 
 /// Frusta that together contain every receiver of the summary, seen from `origin_ws` (a point of the light; for a
@@ -40,5 +44,8 @@ struct MapFrustumOptions {
 /// @param direction_ws  sun: unit direction of travel; else the axis to prefer for the faces (Light::direction_ws)
 [[nodiscard]] MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin_ws,
                                          const glm::dvec3& direction_ws, const MapFrustumOptions& options);
+
+/// Instances that may fall into the face.
+[[nodiscard]] std::vector<std::uint32_t> casters_in(const LightSummary& summary, const MapFace& face);
 
 }  // namespace penumbra

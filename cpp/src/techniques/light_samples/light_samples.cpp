@@ -186,9 +186,10 @@ void LightSamples::prepare(Frame& frame) {
 
 void LightSamples::render_maps(Frame& frame, std::size_t index, int first_layer) {
     const Sample& sample = samples_[index];
-    setup_.bind_for_depth(frame, sample.frustum, sample.block);
+    setup_.bind_for_depth(frame.gpu_scene(), sample.frustum, sample.block);
     for (std::size_t face = 0; face < sample.frustum.faces.size(); ++face) {
-        maps_.render(frame, sample.frustum, face, first_layer + static_cast<int>(face), bias_.cull());
+        maps_.render(frame, frame.gpu_scene(), casters_in(frame.summary(), sample.frustum.faces[face]), face,
+                     first_layer + static_cast<int>(face), bias_.cull());
     }
 }
 

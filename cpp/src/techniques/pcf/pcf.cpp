@@ -67,8 +67,10 @@ const TechniqueInfo& Pcf::description() {
 Pcf::Pcf(const Settings& settings)
     : filter_{filter_index(settings)},
       kernel_{get_int(settings, "kernel")},
-      map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"),
-           reach_texels(settings)} {}
+      map_{{.size_px = get_int(settings, "map_size"),
+            .bias = map_bias_from(settings),
+            .facing_test = get_bool(settings, "facing_test"),
+            .margin_texels = reach_texels(settings)}} {}
 
 Verdict Pcf::supports(const Light& /*light*/) const {
     return {};

@@ -28,7 +28,9 @@ const TechniqueInfo& ShadowMap::description() {
 }
 
 ShadowMap::ShadowMap(const Settings& settings)
-    : map_{get_int(settings, "map_size"), map_bias_from(settings), get_bool(settings, "facing_test"), 2.0} {}
+    : map_{{.size_px = get_int(settings, "map_size"),
+            .bias = map_bias_from(settings),
+            .facing_test = get_bool(settings, "facing_test")}} {}
 
 Verdict ShadowMap::supports(const Light& /*light*/) const {
     return {};
