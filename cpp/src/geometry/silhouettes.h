@@ -29,8 +29,33 @@ struct SilhouetteEdge {
 };
 
 /// Facing of a triangle towards the light: 1 light-facing, -1 averted, 0 within the rounding of edge-on (no vote).
-/// n = (b - a) x (c - a); facing = sign of dot(n, light - a), 0 if |.| <= kEdgeOn |b-a| |c-a| |light - a|.
+/// n = (b - a) x (c - a); facing = sign of dot(n, light - a), 0 if |.| <= kEdgeOn |b-a| |c-a| |light - a|; for a sun
+/// the direction stands for light - a.
 inline constexpr double kEdgeOn = 1e-6;
+[[nodiscard]] int facing_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                            const glm::dvec4& light) noexcept;
+
+/// Corners have this many triangles at most; wider fans count as not paired. It ends the walk on topology that would
+/// lead it round for ever, and on the device it bounds the time of one invocation.
+inline constexpr int kMostFanSteps = 4096;
+
+/// Planes that decide most facings in float32. Positions are centred and scaled into the unit ball, by a power of two;
+/// plane = (n, dot(n, a)) with n as above over |b-a| |c-a|, so that no mesh over- or underflows; zero if degenerate.
+/// With s = dot(plane.xyz, light.xyz) - plane.w * light.w: facing = sign of s where |s| > kSureFacing, else ask
+/// facing_of().
+struct FacingFrame {
+    FacingFrame() = default;
+    /// @param radius  no used position is farther from `middle`
+    FacingFrame(const glm::dvec3& middle, double radius) noexcept;
+    [[nodiscard]] glm::dvec4 plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const noexcept;
+    /// The light over (its distance + 1): within the unit ball, w in [0, 1], 0 for a sun.
+    [[nodiscard]] glm::dvec4 light(const glm::dvec4& light_local) const noexcept;
+
+    glm::dvec3 centre{0.0};
+    double scale = 1.0;
+};
+/// kEdgeOn and the rounding of s: 6.1 half ulps of 1 (planes, light, products and sums).
+inline constexpr float kSureFacing = 1.5e-6F;
 
 /// The oracle: float64, straight from the definition; order by edge index.
 /// @param light_local  the light point in the mesh's space, w = 1; a sun: direction towards it, w = 0
@@ -39,21 +64,26 @@ inline constexpr double kEdgeOn = 1e-6;
                                                            const glm::dvec4& light_local, bool mirrored,
                                                            EdgeChoice choice = EdgeChoice::Silhouettes);
 
-/// The same in a flat layout made once per mesh: plane and edge arrays that are read front to back
-/// (research: 600+ M edges/s and core). Float planes decide where they can, float64 decides near edge-on, so that the
-/// answer is find_silhouettes'.
+/// The same in a flat layout made once per mesh: plane and side arrays that are read front to back. Float planes decide
+/// where they can, float64 decides near edge-on, so that the answer is find_silhouettes', in the same order.
 class FlatSilhouettes {
 public:
+    /// Both must outlive this.
     FlatSilhouettes(const Mesh& mesh, const Adjacency& adjacency);
     /// Appends to `out`. Not thread-safe for one object (it keeps the facings).
     void find(const glm::dvec4& light_local, bool mirrored, EdgeChoice choice, std::vector<SilhouetteEdge>& out);
     [[nodiscard]] std::size_t bytes() const noexcept;
 
 private:
+    void decide_facings(const glm::dvec4& light_local);
+
     const Mesh* mesh_;
     const Adjacency* adjacency_;
-    std::vector<float> nx_, ny_, nz_, d_, tolerance_;  ///< per triangle
-    std::vector<std::int8_t> facing_;
+    FacingFrame frame_;
+    std::vector<float> nx_, ny_, nz_, d_;   ///< per triangle
+    std::vector<glm::uvec2> sides_;         ///< per edge; where it has not two triangles: the side that never votes
+    std::vector<std::int8_t> facing_;       ///< per triangle
+    std::vector<std::int8_t> side_facing_;  ///< per side: where its triangle lies; one more, 0
 };
 
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 #include "gl/render_thread.h"
 #include "gl/timer.h"
 #include "passes/fullscreen.h"
+#include "passes/gpu_adjacency.h"
 #include "passes/gpu_scene.h"
 #include "passes/light_summary.h"
 #include "passes/view_pass.h"
@@ -27,6 +28,7 @@ public:
         Device& device;
         const Scene& scene;
         GpuScene& gpu_scene;
+        GpuAdjacency& adjacency;  ///< brought up to date when it is first asked for
         ViewPass& view_pass;
         const View& view;
         const LightSummary& summary;
@@ -42,6 +44,10 @@ public:
     [[nodiscard]] Device& device() const noexcept { return in_.device; }
     [[nodiscard]] const Scene& scene() const noexcept { return in_.scene; }
     [[nodiscard]] GpuScene& gpu_scene() const noexcept { return in_.gpu_scene; }
+    [[nodiscard]] GpuAdjacency& adjacency() const {
+        in_.adjacency.update(in_.gpu_scene);
+        return in_.adjacency;
+    }
     [[nodiscard]] const ViewPass& view_pass() const noexcept { return in_.view_pass; }
     [[nodiscard]] const View& view() const noexcept { return in_.view; }
     [[nodiscard]] const LightSummary& summary() const noexcept { return in_.summary; }

@@ -18,6 +18,14 @@ enum class Cull { None, Front, Back };
 /// The scene's meshes on the device: one copy of each, however many instances. Lives on the render thread.
 class GpuScene {
 public:
+    /// Where a mesh lies in the shared buffers. Its positions there are relative to `centre_local`.
+    struct MeshRange {
+        std::uint32_t first_index = 0, index_count = 0, first_vertex = 0;
+        std::uint32_t first_normal = 0xffffffffU, first_material = 0xffffffffU;
+        glm::dvec3 centre_local{0.0};
+        Bounds bounds_local;
+    };
+
     /// Sends what is not there yet: geometry only if the meshes changed, else instances alone.
     /// @return true if geometry was sent again
     bool update(const Scene& scene);
@@ -25,6 +33,16 @@ public:
     /// Boxes of the instances, world, in their order.
     [[nodiscard]] const std::vector<Bounds>& instance_bounds_ws() const noexcept { return instance_bounds_ws_; }
     [[nodiscard]] std::size_t instance_count() const noexcept { return world_from_recentred_.size(); }
+
+    /// The different meshes, and where each lies.
+    [[nodiscard]] const std::vector<std::shared_ptr<const Mesh>>& meshes() const noexcept { return meshes_; }
+    [[nodiscard]] const std::vector<MeshRange>& mesh_ranges() const noexcept { return ranges_; }
+    /// Index into both.
+    [[nodiscard]] std::uint32_t mesh_of_instance(std::size_t i) const noexcept { return mesh_of_instance_[i]; }
+    [[nodiscard]] const glm::dmat4& world_from_recentred(std::size_t i) const noexcept {
+        return world_from_recentred_[i];
+    }
+    [[nodiscard]] bool mirrored(std::size_t i) const noexcept { return mirrored_[i] != 0; }
 
     /// Transforms of all instances relative to `origin_ws`, composed in float64.
     [[nodiscard]] std::vector<gpu::InstanceBlock> relative_to(const glm::dvec3& origin_ws) const;
@@ -39,12 +57,6 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
 private:
-    struct MeshRange {
-        std::uint32_t first_index = 0, index_count = 0, first_vertex = 0;
-        std::uint32_t first_normal = 0xffffffffU, first_material = 0xffffffffU;
-        glm::dvec3 centre_local{0.0};
-        Bounds bounds_local;
-    };
     void send_geometry();
     void send_instances(const Scene& scene);
 

@@ -59,6 +59,7 @@ public:
         StepClock clock;
         FullscreenPass fullscreen;
         GpuScene gpu_scene;
+        GpuAdjacency adjacency;
         ViewPass view_pass;
         std::shared_ptr<const Scene> scene = std::make_shared<const Scene>();
         std::shared_ptr<const View> view;
@@ -147,9 +148,9 @@ public:
         const LightSummary& summarised = summary(device, index, keep_everything);
         run->plan = run->technique->plan(summarised);
         run->frame = std::make_unique<Frame>(
-            Frame::Inputs{device, *s.scene, s.gpu_scene, s.view_pass, seen, summarised, s.fullscreen, s.clock, control,
-                          [this, &control]() -> const RayScene& { return ray_scene(control); }, s.visibility,
-                          s.visibility_target},
+            Frame::Inputs{device, *s.scene, s.gpu_scene, s.adjacency, s.view_pass, seen, summarised, s.fullscreen,
+                          s.clock, control, [this, &control]() -> const RayScene& { return ray_scene(control); },
+                          s.visibility, s.visibility_target},
             run->plan);
         const auto started = Clock::now();
         run->technique->prepare(*run->frame);

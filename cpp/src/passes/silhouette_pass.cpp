@@ -1,0 +1,238 @@
+#include "passes/silhouette_pass.h"
+
+#include <algorithm>
+
+#include "base/assert.h"
+#include "passes/frame.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr std::uint32_t kGroupSize = 64;        // elements per work group; also in the shader, by define
+constexpr std::uint32_t kGroupsPerRow = 32768;  // OpenGL promises 65535 in each dimension
+constexpr GLintptr kHeaderBytes = 256;          // the count, then as much as any driver wants storage blocks aligned to
+constexpr std::uint32_t kMirrored = 0x80000000U;
+
+struct DrawCommand {
+    std::uint32_t count, instance_count, first, base_instance;
+};
+
+static_assert(sizeof(gpu::SilhouetteRecord) == 64);
+static_assert(sizeof(gpu::SilhouetteInstance) == 128);
+
+/// The light in an instance's recentred space.
+glm::dvec4 recentred_light(const glm::dmat4& world_from_recentred, const glm::dvec4& light_ws) {
+    // Relative to the instance first: the inverse's own translation would lose digits far from the origin.
+    const glm::dvec3 towards = glm::dvec3{light_ws} - light_ws.w * glm::dvec3{world_from_recentred[3]};
+    const glm::dvec3 local = glm::inverse(glm::dmat3{world_from_recentred}) * towards;
+    return {light_ws.w == 0.0 ? glm::normalize(local) : local, light_ws.w};
+}
+
+}  // namespace
+
+void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& adjacency,
+                             std::span<const std::uint32_t> instances) {
+    static_cast<void>(frame);
+    adjacency.update(gpu_scene);
+    gpu_scene_ = &gpu_scene;
+    adjacency_ = &adjacency;
+    slots_.clear();
+    instance_data_.clear();
+    flat_.clear();
+    edge_count_ = 0;
+    worst_case_ = 0;
+    std::vector<glm::uvec2> jobs;
+    const bool triangles = options_.choice == EdgeChoice::LightFacing;
+    for (const std::uint32_t instance : instances) {
+        const std::uint32_t mesh = gpu_scene.mesh_of_instance(instance);
+        const Adjacency& edges = adjacency.of_mesh(mesh);
+        const GpuScene::MeshRange& placed = gpu_scene.mesh_ranges()[mesh];
+        const GpuAdjacency::MeshRange& range = adjacency.range(mesh);
+        const auto elements = static_cast<std::uint32_t>(triangles ? edges.triangle_edges.size() : edges.edges.size());
+        edge_count_ += edges.edges.size();
+        worst_case_ += (triangles ? 3ULL : 2ULL) * elements;
+        for (std::uint32_t first = 0; options_.source == Source::Gpu && first < elements; first += kGroupSize) {
+            jobs.emplace_back(static_cast<std::uint32_t>(slots_.size()), first);
+        }
+        gpu::SilhouetteInstance data{};
+        data.first_vertex = placed.first_vertex;
+        data.first_index = placed.first_index;
+        data.first_plane = range.first_plane;
+        data.first_corner = range.first_corner;
+        data.first_edge = range.first_edge;
+        data.first_more = range.first_more;
+        data.element_count = elements;
+        data.id = instance | (gpu_scene.mirrored(instance) ? kMirrored : 0U);
+        slots_.push_back({instance, mesh});
+        instance_data_.push_back(data);
+        if (options_.source == Source::Cpu && !flat_.contains(mesh)) {
+            flat_.emplace(mesh, std::make_unique<FlatSilhouettes>(*gpu_scene.meshes()[mesh], edges));
+        }
+    }
+    job_count_ = static_cast<std::uint32_t>(jobs.size());
+    jobs_ = StorageBuffer::from(jobs, "silhouette jobs");
+    commands_ = StorageBuffer(PENUMBRA_MAX_VERTICES_PER_EDGE * sizeof(DrawCommand), "silhouette draws");
+    commands_.fill_zero();
+    no_attributes_ = VertexArray::create();
+    capacity_ = 0;
+    make_room(std::min<std::uint64_t>(worst_case_, options_.first_bytes / sizeof(gpu::SilhouetteRecord)));
+}
+
+void SilhouettePass::make_room(std::uint64_t records) {
+    records = std::max<std::uint64_t>(records, 1);
+    if (records > capacity_) {
+        capacity_ = 0;
+        records_ = StorageBuffer();  // the old one first: both may not fit
+        records_ = StorageBuffer(kHeaderBytes + records * sizeof(gpu::SilhouetteRecord), "silhouettes");
+        capacity_ = records;
+        constexpr std::uint32_t kNothing = 0;
+        records_.upload(std::span<const std::uint32_t>{&kNothing, 1});
+    }
+}
+
+void SilhouettePass::extract(Frame& frame, const glm::dvec4& light_ws, const glm::dvec3& origin_ws) {
+    PENUMBRA_ASSERT(gpu_scene_ != nullptr);
+    if (options_.source == Source::Cpu) {
+        find_on_cpu(light_ws, origin_ws);
+    } else {
+        send_instances(light_ws, origin_ws);
+        find_on_device(frame);
+        if (capacity_ < worst_case_) {
+            if (const std::uint64_t found = read_count(); found > capacity_) {
+                make_room(std::min(worst_case_, found + found / 4));
+                find_on_device(frame);
+            }
+        }
+    }
+    write_commands(frame);
+}
+
+void SilhouettePass::send_instances(const glm::dvec4& light_ws, const glm::dvec3& origin_ws) {
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+        gpu::SilhouetteInstance& data = instance_data_[i];
+        const FacingFrame& frame = adjacency_->range(slots_[i].mesh).frame;
+        glm::dmat4 m = gpu_scene_->world_from_recentred(slots_[i].instance);
+        const glm::dvec4 light = recentred_light(m, light_ws);
+        m[3] -= glm::dvec4{origin_ws, 0.0};
+        for (int row = 0; row < 3; ++row) {
+            data.rows[row] = glm::vec4{m[0][row], m[1][row], m[2][row], m[3][row]};
+        }
+        const glm::dvec4 normalised = frame.light(light);
+        data.light = glm::vec4{normalised};
+        const glm::dvec4 scaled = normalised.w == 0.0 ? normalised : glm::dvec4{frame.scale * glm::dvec3{light}, 1.0};
+        data.light_high = glm::vec4{scaled};
+        data.light_low = glm::vec4{glm::vec3{scaled - glm::dvec4{data.light_high}}, static_cast<float>(frame.scale)};
+    }
+    instances_.replace(std::span<const gpu::SilhouetteInstance>{instance_data_});
+}
+
+void SilhouettePass::find_on_device(Frame& frame) {
+    Defines defines{{"GROUP_SIZE", std::to_string(kGroupSize)}};
+    if (options_.choice == EdgeChoice::LightFacing) {
+        defines.push_back({"CHOOSE_LIGHT_FACING"});
+    } else if (options_.choice == EdgeChoice::All) {
+        defines.push_back({"CHOOSE_ALL"});
+    }
+    constexpr std::uint32_t kNothing = 0;
+    records_.upload(std::span<const std::uint32_t>{&kNothing, 1});
+    if (job_count_ == 0) {
+        return;
+    }
+    const Program& program = frame.device().programs.get({"passes/silhouette_edges.comp"}, defines);
+    program.set("job_count", job_count_);
+    program.set("capacity", static_cast<unsigned>(capacity_));
+    if (options_.choice != EdgeChoice::All) {
+        program.set("sure_facing", kSureFacing);
+        program.set("edge_on", static_cast<float>(kEdgeOn));
+    }
+    if (options_.choice == EdgeChoice::Silhouettes) {
+        program.set("most_fan_steps", kMostFanSteps);
+    }
+    gpu_scene_->bind_surface_data();
+    adjacency_->bind();
+    instances_.bind_storage(0);
+    jobs_.bind_storage(6);
+    records_.bind_storage(7);
+    program.use();
+    glDispatchCompute(std::min(job_count_, kGroupsPerRow), (job_count_ + kGroupsPerRow - 1) / kGroupsPerRow, 1);
+    StorageBuffer::barrier();
+}
+
+void SilhouettePass::find_on_cpu(const glm::dvec4& light_ws, const glm::dvec3& origin_ws) {
+    std::vector<SilhouetteEdge> edges;
+    std::vector<gpu::SilhouetteRecord> records;
+    for (const Slot& slot : slots_) {
+        const GpuScene::MeshRange& placed = gpu_scene_->mesh_ranges()[slot.mesh];
+        const Mesh& mesh = *gpu_scene_->meshes()[slot.mesh];
+        glm::dmat4 m = gpu_scene_->world_from_recentred(slot.instance);
+        glm::dvec4 light = recentred_light(m, light_ws);
+        light += glm::dvec4{light.w * placed.centre_local, 0.0};
+        m[3] -= glm::dvec4{origin_ws, 0.0};
+        edges.clear();
+        flat_.at(slot.mesh)->find(light, gpu_scene_->mirrored(slot.instance), options_.choice, edges);
+        const auto place = [&](std::uint32_t v, float w) {
+            const glm::dvec3 p{glm::vec3{glm::dvec3{mesh.positions_local[v]} - placed.centre_local}};
+            return glm::vec4{glm::vec3{m * glm::dvec4{p, 1.0}}, w};
+        };
+        for (const SilhouetteEdge& edge : edges) {
+            records.push_back({place(edge.a, edge.z != edge.a ? 1.0F : 0.0F),
+                               place(edge.b, 0.0F),
+                               place(edge.z, 0.0F),
+                               {slot.instance, edge.a, edge.b, edge.z}});
+        }
+    }
+    make_room(records.size());
+    const auto count = static_cast<std::uint32_t>(records.size());
+    records_.upload(std::span<const std::uint32_t>{&count, 1});
+    records_.upload(std::span<const gpu::SilhouetteRecord>{records}, kHeaderBytes / sizeof(gpu::SilhouetteRecord));
+}
+
+void SilhouettePass::write_commands(Frame& frame) {
+    const Program& program = frame.device().programs.get({"passes/silhouette_commands.comp"});
+    program.set("capacity", static_cast<unsigned>(capacity_));
+    commands_.bind_storage(6);
+    records_.bind_storage(7);
+    program.use();
+    glDispatchCompute(1, 1, 1);
+    StorageBuffer::barrier();
+}
+
+void SilhouettePass::bind(GLuint binding) const {
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, records_.name(), kHeaderBytes,
+                      static_cast<GLsizeiptr>(capacity_ * sizeof(gpu::SilhouetteRecord)));
+}
+
+void SilhouettePass::draw(Frame& frame, GLenum mode, int vertices_per_edge) {
+    static_cast<void>(frame);
+    PENUMBRA_ASSERT(vertices_per_edge >= 1 && vertices_per_edge <= PENUMBRA_MAX_VERTICES_PER_EDGE);
+    glBindVertexArray(no_attributes_.name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+    glDrawArraysIndirect(
+        mode, reinterpret_cast<const void*>(static_cast<std::size_t>(vertices_per_edge - 1) * sizeof(DrawCommand)));
+    glBindVertexArray(0);
+}
+
+std::uint32_t SilhouettePass::read_count() const {
+    std::uint32_t count = 0;
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(records_.name(), 0, sizeof(count), &count);
+    return count;
+}
+
+std::vector<gpu::SilhouetteRecord> SilhouettePass::read() const {
+    std::vector<gpu::SilhouetteRecord> records(std::min<std::uint64_t>(read_count(), capacity_));
+    glGetNamedBufferSubData(records_.name(), kHeaderBytes,
+                            static_cast<GLsizeiptr>(records.size() * sizeof(gpu::SilhouetteRecord)), records.data());
+    return records;
+}
+
+std::size_t SilhouettePass::bytes() const noexcept {
+    std::size_t bytes = instances_.bytes() + jobs_.bytes() + records_.bytes() + commands_.bytes();
+    for (const auto& [mesh, flat] : flat_) {
+        bytes += flat->bytes();
+    }
+    return bytes;
+}
+
+}  // namespace penumbra
