@@ -392,13 +392,7 @@ def _render(arguments: argparse.Namespace) -> int:
         _check_exists(arguments.scene)
     _check_folder(arguments.out.parent, why_not_writable(arguments.out.parent))
     core = native.load()
-    infos = core.techniques()
-    compare.choose_techniques(infos, (arguments.technique,))
-    prefix = f"{arguments.technique}."
-    settings = {}
-    for text in arguments.set:
-        _, key, value = compare.parse_setting(infos, prefix + text.removeprefix(prefix))
-        settings[key] = value
+    settings = _settings_of(core, arguments.technique, arguments.set)
     renderer = _renderer(core, arguments.device)
     export = _read(core, arguments.scene, arguments)
     with Progress(render.work(export)) as progress, compare.core_errors(core):
@@ -412,6 +406,54 @@ def _render(arguments: argparse.Namespace) -> int:
         _say(note)
     print(arguments.out)
     return errors.OK
+
+
+# --- debug -----------------------------------------------------------------------------------------------------------
+
+
+def _debug_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", nargs="?" if _inside_blender() else None, type=Path, metavar="SCENE")
+    parser.add_argument("--technique", required=True, metavar="ID", help="see `penumbra techniques`")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting; may be repeated")
+    parser.add_argument("--views", type=_names, default=(), metavar="all|ID,..", help="default: all there are")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
+    parser.add_argument("--lights", type=_names, default=(), metavar="all|NAME,..", help="default: all")
+    _view_arguments(parser)
+
+
+@command("debug", "draw a technique's inside: silhouettes, what grows from them, its maps", _debug_arguments)
+def _debug(arguments: argparse.Namespace) -> int:
+    from . import compare, debug, native
+    from .files import why_not_writable
+    from .progress import Progress
+
+    if arguments.scene is not None:
+        _check_exists(arguments.scene)
+    _check_folder(arguments.out, why_not_writable(arguments.out))
+    core = native.load()
+    settings = _settings_of(core, arguments.technique, arguments.set)
+    renderer = _renderer(core, arguments.device)
+    export = _read(core, arguments.scene, arguments)
+    with Progress(1.0 + 2.0 * len(export.lights)) as progress, compare.core_errors(core):
+        lights = compare.choose_lights(list(export.lights), arguments.lights)
+        written = debug.write_views(
+            renderer, export, arguments.technique, settings, lights, arguments.views, arguments.out, progress
+        )
+        progress.finish()
+    for path, caption in written:
+        print(f"{path}  {caption}")
+    return errors.OK
+
+
+def _settings_of(core: Any, technique: str, texts: Sequence[str]) -> dict[str, Any]:
+    """KEY=VALUE texts as checked settings of one technique. @raises UserError"""
+    from . import compare
+
+    infos = core.techniques()
+    compare.choose_techniques(infos, (technique,))
+    prefix = f"{technique}."
+    parsed = [compare.parse_setting(infos, prefix + text.removeprefix(prefix)) for text in texts]
+    return {key: value for _, key, value in parsed}
 
 
 # --- techniques ------------------------------------------------------------------------------------------------------

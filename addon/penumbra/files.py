@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
+import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -105,3 +107,18 @@ def why_not_writable(folder: Path) -> str:
 
 def _lowered(text: str) -> str:
     return text[:1].lower() + text[1:]
+
+
+def slug(name: str) -> str:
+    """A file name that every system takes: "Key Light.001" gives "key-light-001"."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or "unnamed"
+
+
+def unique_slug(name: str, taken: list[str]) -> str:
+    """slug(name), numbered if another has it already."""
+    base = slug(name)
+    chosen, number = base, 2
+    while chosen in taken:
+        chosen, number = f"{base}-{number}", number + 1
+    return chosen

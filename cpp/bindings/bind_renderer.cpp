@@ -109,6 +109,21 @@ py::dict visibility(PyRenderer& self, std::size_t light, const std::string& tech
                     "plan"_a = to_python(r.plan), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
 }
 
+py::list debug_images(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
+                      const std::vector<std::string>& views, const py::object& progress) {
+    const Job job{technique, settings_from(settings)};
+    auto images =
+        wait_for([&](Control& c) { return self.renderer.debug_images(light, job, views, c); }, progress, technique);
+    py::list all;
+    for (NamedDebugImage& named : images) {
+        DebugImage& image = named.image;
+        const std::vector<py::ssize_t> shape{image.height_px, image.width_px, 3};
+        all.append(py::dict("id"_a = named.view.id, "title"_a = named.view.title, "caption"_a = image.caption,
+                            "rgb"_a = array_from<float>(std::move(image.rgb), shape)));
+    }
+    return all;
+}
+
 py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pair<std::string, py::dict>>& jobs,
                  bool keep_everything, double max_seconds, int min_runs, int max_runs, const py::object& progress) {
     std::vector<Job> wanted;
@@ -196,6 +211,10 @@ void bind_renderer(py::module_& m) {
         .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "keep_everything"_a = false, "progress"_a = py::none(),
              "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, memory_bytes, time_ms}.")
+        .def("debug_images", &debug_images, "light"_a, "technique"_a, "settings"_a = py::dict(),
+             "views"_a = std::vector<std::string>{}, "progress"_a = py::none(),
+             "Pictures of the technique's inside: {id, title, caption, rgb (h, w, 3) float32, display values 0 .. 1}.\n"
+             "views: ids, default all that the plan offers.")
         .def("measure", &measure, "light"_a, "jobs"_a, "keep_everything"_a = false, "max_seconds"_a = 4.0,
              "min_runs"_a = 5, "max_runs"_a = 60, "progress"_a = py::none(),
              "Times of (technique, settings) jobs, measured interleaved; milliseconds.")

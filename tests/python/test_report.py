@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import ramps
 from checks import check_files, exr, report_of
-from penumbra import verdict
+from penumbra import files, verdict
 from penumbra.records import Comparison, Failure, LightResult, SceneResult
-from penumbra.report import ReportWriter, html, pictures, plots
+from penumbra.report import ReportWriter, html, plots
 
 
 @pytest.fixture(scope="module")
@@ -160,11 +160,11 @@ def test_a_curve_joins_the_swept_values_in_their_order_with_what_was_asked_for_o
     ],
 )
 def test_any_name_becomes_a_file_name(name: str, slug: str) -> None:
-    assert pictures.slug(name) == slug
+    assert files.slug(name) == slug
 
 
 def test_equal_names_are_numbered() -> None:
-    assert pictures.unique_slug("灯", ["unnamed", "unnamed-2"]) == "unnamed-3"
+    assert files.unique_slug("灯", ["unnamed", "unnamed-2"]) == "unnamed-3"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ..files import write_bytes
+from ..files import unique_slug, write_bytes
 from ..records import Comparison, SceneResult, to_json
 from . import html, pictures, plots, table
 
@@ -23,7 +23,7 @@ class ReportWriter:
 
     def add_scene(self, scene: SceneResult) -> None:
         """Writes the scene's images, notes their paths in its records, and lets go of the pixels."""
-        slug = pictures.unique_slug(scene.name, [shown.slug for shown in self._shown])
+        slug = unique_slug(scene.name, [shown.slug for shown in self._shown])
         pictures.write(self._folder, slug, scene)
         self._shown.append(html.ShownScene(slug, pictures.embed(scene)))
         pictures.drop_pixels(scene)

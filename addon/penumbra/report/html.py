@@ -11,9 +11,10 @@ from importlib import resources
 from typing import Any
 
 from .. import images, verdict
+from ..files import slug
 from ..records import PART_FIELDS, Comparison, LightResult, Record, Value
 from . import palette
-from .pictures import EmbeddedLight, EmbeddedScene, slug
+from .pictures import EmbeddedLight, EmbeddedScene
 
 PART_NAMES = {
     "noise": "noise",

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import re
-import unicodedata
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -14,23 +12,8 @@ import numpy as np
 
 from .. import images
 from ..environment import usable_cores
-from ..files import write_bytes
+from ..files import unique_slug, write_bytes
 from ..records import Image, LightResult, Mask, Record, SceneResult
-
-
-def slug(name: str) -> str:
-    """A file name that every system takes: "Key Light.001" gives "key-light-001"."""
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or "unnamed"
-
-
-def unique_slug(name: str, taken: list[str]) -> str:
-    """slug(name), numbered if another has it already."""
-    base = slug(name)
-    chosen, number = base, 2
-    while chosen in taken:
-        chosen, number = f"{base}-{number}", number + 1
-    return chosen
 
 
 def write(folder: Path, scene_slug: str, scene: SceneResult) -> None:

@@ -61,6 +61,11 @@ struct Measurement {
     std::size_t memory_bytes = 0;
 };
 
+struct NamedDebugImage {
+    DebugView view;
+    DebugImage image;
+};
+
 /// Renders one scene on one device. Owns a render thread with its own EGL context; calls block until done, may come
 /// from any thread and are queued. Two renderers may live in one process.
 class Renderer {
@@ -88,6 +93,10 @@ public:
 
     [[nodiscard]] VisibilityResult visibility(std::size_t light, const Job& job, bool keep_everything,
                                               Control& control);
+    /// Pictures of a technique's inside after one frame. @param views ids; empty: all that its plan offers
+    /// @throws InvalidSettings for an unknown view; the message lists those there are
+    [[nodiscard]] std::vector<NamedDebugImage> debug_images(std::size_t light, const Job& job,
+                                                            std::span<const std::string> views, Control& control);
     [[nodiscard]] std::vector<Measurement> measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
                                                    const TimingOptions& timing, Control& control);
     [[nodiscard]] Reference reference(std::size_t light, const ReferenceOptions& options, Control& control);

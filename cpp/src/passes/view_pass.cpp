@@ -4,9 +4,6 @@
 
 namespace penumbra {
 
-namespace {
-
-/// Reversed depth (1 near, 0 far) of the camera's view of a point relative to the eye.
 glm::dmat4 clip_from_rel(const Camera& camera) {
     const double n = camera.near_m;
     const double f = camera.far_m;
@@ -36,8 +33,6 @@ glm::dmat4 clip_from_rel(const Camera& camera) {
     glm::dmat4 camera_from_rel{glm::transpose(glm::dmat3{camera.world_from_camera})};
     return projection * camera_from_rel;
 }
-
-}  // namespace
 
 void ViewPass::allocate(int width_px, int height_px) {
     if (ids_ && ids_.width() == width_px && ids_.height() == height_px) {

@@ -9,6 +9,9 @@
 
 namespace penumbra {
 
+/// Reversed depth (1 near, 0 far) of the camera's view of a point relative to the eye, world axes.
+[[nodiscard]] glm::dmat4 clip_from_rel(const Camera& camera);
+
 /// The G-buffer on the device. Two passes: which triangle is seen, then its position and normals in float64.
 class ViewPass {
 public:

@@ -1,5 +1,6 @@
 #include "penumbra/renderer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <optional>
@@ -294,6 +295,40 @@ VisibilityResult Renderer::visibility(std::size_t light, const Job& job, bool ke
         result.plan = run->plan;
         result.memory_bytes = run->technique->memory_bytes();
         return result;
+    });
+}
+
+std::vector<NamedDebugImage> Renderer::debug_images(std::size_t light, const Job& job,
+                                                    std::span<const std::string> views, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        control.check();
+        const auto run = impl_->start(device, light, job, false, control);
+        const std::vector<DebugView> offered = run->technique->debug_views();
+        std::vector<DebugView> wanted = views.empty() ? offered : std::vector<DebugView>{};
+        for (const std::string& id : views) {
+            const auto found =
+                std::find_if(offered.begin(), offered.end(), [&](const DebugView& view) { return view.id == id; });
+            if (found == offered.end()) {
+                std::string known;
+                for (const DebugView& view : offered) {
+                    known += (known.empty() ? "" : ", ") + view.id;
+                }
+                throw InvalidSettings(job.technique + " has no view \"" + id + "\" for this light; " +
+                                      (known.empty() ? "it has none" : "choose from: " + known));
+            }
+            wanted.push_back(*found);
+        }
+        run->technique->update(*run->frame);
+        run->technique->resolve(*run->frame);
+        impl_->state_->clock.collect();
+        std::vector<NamedDebugImage> images;
+        for (DebugView& view : wanted) {
+            control.check();
+            DebugImage image = run->technique->debug_image(*run->frame, view.id);
+            check_gl("view " + view.id);
+            images.push_back({std::move(view), std::move(image)});
+        }
+        return images;
     });
 }
 
