@@ -63,8 +63,8 @@ public:
     virtual void resolve(Frame& frame) = 0;
     [[nodiscard]] virtual std::size_t memory_bytes() const noexcept = 0;
 
-    /// What debug_image() can draw, after plan(); a view of a step that is left out is not among them.
-    [[nodiscard]] virtual std::vector<DebugView> debug_views() const { return {}; }
+    /// What debug_image() can draw; a view of a step that the plan leaves out is not among them.
+    [[nodiscard]] virtual std::vector<DebugView> debug_views(const Plan& /*plan*/) const { return {}; }
     /// After update() and resolve(). @param id one of debug_views()
     [[nodiscard]] virtual DebugImage debug_image(Frame& /*frame*/, std::string_view /*id*/) { return {}; }
 };

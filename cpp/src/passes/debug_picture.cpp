@@ -87,6 +87,15 @@ DebugImage map_picture(Frame& frame, CentreMap& map, std::string caption,
     return image;
 }
 
+DebugView depth_map_view() {
+    return {"depth_map", "Depth map"};
+}
+
+DebugImage depth_map_picture(Frame& frame, CentreMap& map) {
+    return map_picture(frame, map, "what the light's centre sees, nearest brightest, one square per face of the map",
+                       [](int, RenderTarget&) {});
+}
+
 DebugImage texture_picture(const TextureImage& texture, int component, float low, float high, std::string caption) {
     DebugImage image;
     std::array<char, 64> range{};

@@ -25,6 +25,10 @@ class TextureImage;
 [[nodiscard]] DebugImage map_picture(Frame& frame, CentreMap& map, std::string caption,
                                      const std::function<void(int face, RenderTarget&)>& draw);
 
+/// The view that every technique with a CentreMap has.
+[[nodiscard]] DebugView depth_map_view();
+[[nodiscard]] DebugImage depth_map_picture(Frame& frame, CentreMap& map);
+
 /// One component of a float texture, its layers side by side: `low` black, `high` white, beyond them clipped;
 /// not finite: magenta. The caption gets the range.
 [[nodiscard]] DebugImage texture_picture(const TextureImage& texture, int component, float low, float high,

@@ -303,7 +303,7 @@ std::vector<NamedDebugImage> Renderer::debug_images(std::size_t light, const Job
     return impl_->thread_.run([&](Device& device) {
         control.check();
         const auto run = impl_->start(device, light, job, false, control);
-        const std::vector<DebugView> offered = run->technique->debug_views();
+        const std::vector<DebugView> offered = run->technique->debug_views(run->plan);
         std::vector<DebugView> wanted = views.empty() ? offered : std::vector<DebugView>{};
         for (const std::string& id : views) {
             const auto found =

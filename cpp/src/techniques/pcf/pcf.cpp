@@ -1,5 +1,6 @@
 #include "techniques/pcf/pcf.h"
 
+#include "passes/debug_picture.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
 
@@ -120,6 +121,14 @@ void Pcf::resolve(Frame& frame) {
         frame.resolve_with(program);
         glBindSampler(3, 0);
     });
+}
+
+std::vector<DebugView> Pcf::debug_views(const Plan& plan) const {
+    return plan.runs("lookup") ? std::vector<DebugView>{depth_map_view()} : std::vector<DebugView>{};
+}
+
+DebugImage Pcf::debug_image(Frame& frame, std::string_view /*id*/) {
+    return depth_map_picture(frame, map_);
 }
 
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 #include "techniques/shadow_map/shadow_map.h"
 
+#include "passes/debug_picture.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
 
@@ -61,6 +62,14 @@ void ShadowMap::resolve(Frame& frame) {
         map_.bind(lookup);
         frame.resolve_with(lookup);
     });
+}
+
+std::vector<DebugView> ShadowMap::debug_views(const Plan& plan) const {
+    return plan.runs("lookup") ? std::vector<DebugView>{depth_map_view()} : std::vector<DebugView>{};
+}
+
+DebugImage ShadowMap::debug_image(Frame& frame, std::string_view /*id*/) {
+    return depth_map_picture(frame, map_);
 }
 
 }  // namespace penumbra

@@ -20,6 +20,8 @@ public:
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
     [[nodiscard]] std::size_t memory_bytes() const noexcept override { return map_.bytes(); }
+    [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
+    [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
 
 private:
     CentreMap map_;
