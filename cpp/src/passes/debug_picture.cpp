@@ -40,6 +40,20 @@ std::vector<glm::vec3> read_rgb(const TextureImage& colours) {
     return rgb;
 }
 
+/// Stored depths to show as dark and bright: without the outermost fiftieths, since one near fence would leave the rest
+/// black.
+glm::vec2 range_of(std::vector<float> stored) {
+    std::erase(stored, 0.0F);
+    if (stored.empty()) {
+        return {0.0F, 1.0F};
+    }
+    std::sort(stored.begin(), stored.end());
+    const std::size_t cut = stored.size() / 50;
+    const float low = stored[cut];
+    const float high = stored[stored.size() - 1 - cut];
+    return {low, high > low ? high : low + 1e-6F};
+}
+
 /// State that an overlay starts from and that nobody after it is left with.
 void draw_overlay(RenderTarget& target, const std::function<void()>& draw) {
     target.bind();
@@ -75,7 +89,11 @@ DebugImage map_picture(Frame& frame, CentreMap& map, std::string caption,
     Defines defines = map.defines();
     std::erase_if(defines, [](const Define& define) { return !define.name.starts_with("MAP_"); });
     const Program& background = frame.device().programs.get({kFullscreen, "passes/debug_map.frag"}, defines);
+    const auto depths = map.texture().read<float>();
+    const auto layer_size = static_cast<std::ptrdiff_t>(map.size_px()) * map.size_px();
     for (std::size_t i = 0; i < map.frustum().faces.size(); ++i) {
+        const auto first = depths.begin() + static_cast<std::ptrdiff_t>(i) * layer_size;
+        background.set("dark_bright", range_of({first, first + layer_size}));
         const int face = static_cast<int>(i);
         map.bind_space();
         map.texture().bind(2);
