@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "geometry/adjacency.h"
 #include "geometry/silhouettes.h"
 #include "gl/buffer.h"
+#include "gl/buffer_texture.h"
 #include "passes/gpu_scene.h"
 
 namespace penumbra {
@@ -17,7 +19,7 @@ class GpuAdjacency {
 public:
     /// Where a mesh lies in the shared buffers.
     struct MeshRange {
-        std::uint32_t first_plane = 0, first_corner = 0, first_edge = 0, first_more = 0;
+        std::uint32_t first_plane = 0, first_edge = 0, first_more = 0;
         FacingFrame frame;  ///< of the recentred positions
     };
 
@@ -38,7 +40,8 @@ private:
     std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
     std::vector<std::shared_ptr<const Adjacency>> adjacencies_;
     std::vector<MeshRange> ranges_;
-    StorageBuffer planes_, edges_, triangle_edges_;
+    StorageBuffer planes_, edges_, triangle_edges_, more_sides_;
+    std::array<BufferTexture, 6> textures_;
 };
 
 }  // namespace penumbra

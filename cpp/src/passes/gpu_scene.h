@@ -52,6 +52,8 @@ public:
     /// Mirrored instances are wound the other way round, so that culling means the same for all.
     void draw(std::span<const std::uint32_t> instances, Cull cull);
 
+    [[nodiscard]] const StorageBuffer& positions() const noexcept { return positions_; }
+    [[nodiscard]] const StorageBuffer& indices() const noexcept { return indices_; }
     /// Positions, indices, corner normals, materials, albedos at storage bindings 1 .. 5.
     void bind_surface_data() const;
     [[nodiscard]] std::size_t memory_bytes() const noexcept;

@@ -1,6 +1,7 @@
 #include "passes/silhouette_pass.h"
 
 #include <algorithm>
+#include <array>
 
 #include "base/assert.h"
 #include "passes/frame.h"
@@ -9,17 +10,20 @@ namespace penumbra {
 
 namespace {
 
-constexpr std::uint32_t kGroupSize = 64;        // elements per work group; also in the shader, by define
-constexpr std::uint32_t kGroupsPerRow = 32768;  // OpenGL promises 65535 in each dimension
-constexpr GLintptr kHeaderBytes = 256;          // the count, then as much as any driver wants storage blocks aligned to
-constexpr std::uint32_t kMirrored = 0x80000000U;
+constexpr std::uint32_t kGroupSize = 64;
+constexpr std::uint32_t kElementsPerJob = 4 * kGroupSize;
+constexpr std::uint32_t kMostGroups = 32768;  // in a row; OpenGL promises 65535
+constexpr std::size_t kCandidateHeaderBytes = 16;
+constexpr GLintptr kGroupsOffset = 4;   // of the second step's indirect dispatch among the candidates
+constexpr GLintptr kHeaderBytes = 256;  // the count, then as much as any driver wants storage blocks aligned to
 
 struct DrawCommand {
     std::uint32_t count, instance_count, first, base_instance;
 };
 
 static_assert(sizeof(gpu::SilhouetteRecord) == 64);
-static_assert(sizeof(gpu::SilhouetteInstance) == 128);
+static_assert(sizeof(gpu::SilhouetteInstance) == 16 * PENUMBRA_INSTANCE_TEXELS);
+static_assert(sizeof(gpu::SilhouetteJob) == 16);
 
 /// The light in an instance's recentred space.
 glm::dvec4 recentred_light(const glm::dmat4& world_from_recentred, const glm::dvec4& light_ws) {
@@ -42,7 +46,8 @@ void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& ad
     flat_.clear();
     edge_count_ = 0;
     worst_case_ = 0;
-    std::vector<glm::uvec2> jobs;
+    std::vector<gpu::SilhouetteJob> jobs;
+    std::uint64_t elements_total = 0;
     const bool triangles = options_.choice == EdgeChoice::LightFacing;
     for (const std::uint32_t instance : instances) {
         const std::uint32_t mesh = gpu_scene.mesh_of_instance(instance);
@@ -52,18 +57,20 @@ void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& ad
         const auto elements = static_cast<std::uint32_t>(triangles ? edges.triangle_edges.size() : edges.edges.size());
         edge_count_ += edges.edges.size();
         worst_case_ += (triangles ? 3ULL : 2ULL) * elements;
-        for (std::uint32_t first = 0; options_.source == Source::Gpu && first < elements; first += kGroupSize) {
-            jobs.emplace_back(static_cast<std::uint32_t>(slots_.size()), first);
+        elements_total += elements;
+        for (std::uint32_t first = 0; options_.source == Source::Gpu && first < elements; first += kElementsPerJob) {
+            jobs.push_back({static_cast<std::uint32_t>(slots_.size()),
+                            (triangles ? range.first_plane : range.first_edge) + first,
+                            std::min(kElementsPerJob, elements - first), range.first_plane});
         }
         gpu::SilhouetteInstance data{};
         data.first_vertex = placed.first_vertex;
-        data.first_index = placed.first_index;
+        data.first_triangle = placed.first_index / 3;
         data.first_plane = range.first_plane;
-        data.first_corner = range.first_corner;
         data.first_edge = range.first_edge;
         data.first_more = range.first_more;
-        data.element_count = elements;
-        data.id = instance | (gpu_scene.mirrored(instance) ? kMirrored : 0U);
+        data.id = instance;
+        data.mirrored = gpu_scene.mirrored(instance) ? 1 : 0;
         slots_.push_back({instance, mesh});
         instance_data_.push_back(data);
         if (options_.source == Source::Cpu && !flat_.contains(mesh)) {
@@ -71,7 +78,14 @@ void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& ad
         }
     }
     job_count_ = static_cast<std::uint32_t>(jobs.size());
-    jobs_ = StorageBuffer::from(jobs, "silhouette jobs");
+    if (options_.source == Source::Gpu) {
+        jobs_ = StorageBuffer::from(jobs, "silhouette jobs");
+        instances_ = StorageBuffer::from(instance_data_, "silhouette instances");
+        candidates_ =
+            StorageBuffer(kCandidateHeaderBytes + elements_total * sizeof(glm::uvec2), "silhouette candidates");
+        job_texels_ = BufferTexture{GL_RGBA32UI, jobs_, "silhouette jobs"};
+        instance_texels_ = BufferTexture{GL_RGBA32UI, instances_, "silhouette instances"};
+    }
     commands_ = StorageBuffer(PENUMBRA_MAX_VERTICES_PER_EDGE * sizeof(DrawCommand), "silhouette draws");
     commands_.fill_zero();
     no_attributes_ = VertexArray::create();
@@ -128,34 +142,41 @@ void SilhouettePass::send_instances(const glm::dvec4& light_ws, const glm::dvec3
 }
 
 void SilhouettePass::find_on_device(Frame& frame) {
-    Defines defines{{"GROUP_SIZE", std::to_string(kGroupSize)}};
-    if (options_.choice == EdgeChoice::LightFacing) {
-        defines.push_back({"CHOOSE_LIGHT_FACING"});
-    } else if (options_.choice == EdgeChoice::All) {
-        defines.push_back({"CHOOSE_ALL"});
-    }
     constexpr std::uint32_t kNothing = 0;
     records_.upload(std::span<const std::uint32_t>{&kNothing, 1});
     if (job_count_ == 0) {
         return;
     }
-    const Program& program = frame.device().programs.get({"passes/silhouette_edges.comp"}, defines);
-    program.set("job_count", job_count_);
-    program.set("capacity", static_cast<unsigned>(capacity_));
-    if (options_.choice != EdgeChoice::All) {
-        program.set("sure_facing", kSureFacing);
-        program.set("edge_on", static_cast<float>(kEdgeOn));
+    Defines defines{{"GROUP_SIZE", std::to_string(kGroupSize) + "u"},
+                    {"MAX_GROUPS", std::to_string(kMostGroups) + "u"}};
+    if (options_.choice == EdgeChoice::LightFacing) {
+        defines.push_back({"CHOOSE_LIGHT_FACING"});
+    } else if (options_.choice == EdgeChoice::All) {
+        defines.push_back({"CHOOSE_ALL"});
     }
-    if (options_.choice == EdgeChoice::Silhouettes) {
-        program.set("most_fan_steps", kMostFanSteps);
-    }
-    gpu_scene_->bind_surface_data();
+    const std::array<std::uint32_t, 4> no_candidates{0, 0, 1, 1};  // their count, groups of the second step
+    candidates_.upload(std::span<const std::uint32_t>{no_candidates});
     adjacency_->bind();
-    instances_.bind_storage(0);
-    jobs_.bind_storage(6);
+    instance_texels_.bind(6);
+    job_texels_.bind(7);
+    candidates_.bind_storage(6);
     records_.bind_storage(7);
-    program.use();
-    glDispatchCompute(std::min(job_count_, kGroupsPerRow), (job_count_ + kGroupsPerRow - 1) / kGroupsPerRow, 1);
+
+    const Program& sift = frame.device().programs.get({"passes/silhouette_sift.comp"}, defines);
+    sift.set("job_count", job_count_);
+    sift.set("sure_facing", kSureFacing);
+    sift.use();
+    glDispatchCompute(std::min(job_count_, kMostGroups), (job_count_ + kMostGroups - 1) / kMostGroups, 1);
+    StorageBuffer::barrier();
+
+    const Program& decide = frame.device().programs.get({"passes/silhouette_records.comp"}, defines);
+    decide.set("capacity", static_cast<unsigned>(capacity_));
+    decide.set("sure_facing", kSureFacing);
+    decide.set("edge_on", static_cast<float>(kEdgeOn));
+    decide.set("most_fan_steps", kMostFanSteps);
+    decide.use();
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, candidates_.name());
+    glDispatchComputeIndirect(kGroupsOffset);
     StorageBuffer::barrier();
 }
 
@@ -228,7 +249,7 @@ std::vector<gpu::SilhouetteRecord> SilhouettePass::read() const {
 }
 
 std::size_t SilhouettePass::bytes() const noexcept {
-    std::size_t bytes = instances_.bytes() + jobs_.bytes() + records_.bytes() + commands_.bytes();
+    std::size_t bytes = instances_.bytes() + jobs_.bytes() + candidates_.bytes() + records_.bytes() + commands_.bytes();
     for (const auto& [mesh, flat] : flat_) {
         bytes += flat->bytes();
     }

@@ -9,6 +9,7 @@
 
 #include "geometry/silhouettes.h"
 #include "gl/buffer.h"
+#include "gl/buffer_texture.h"
 #include "gl/glsl_types.h"
 #include "passes/gpu_adjacency.h"
 
@@ -43,7 +44,7 @@ public:
     /// @param adjacency  frame.adjacency(), or the technique's own for meshes of its own (simplified casters)
     /// @throws OutOfMemory
     void prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& adjacency, std::span<const std::uint32_t> instances);
-    /// Clobbers storage bindings 0 .. 7 and the program in use.
+    /// Clobbers texture units 0 .. 7, storage bindings 6 and 7 and the program in use.
     /// @param light_ws   light point, w = 1; a sun: direction towards it, w = 0
     /// @param origin_ws  what positions are made relative to (the map's origin), float64
     void extract(Frame& frame, const glm::dvec4& light_ws, const glm::dvec3& origin_ws);
@@ -82,7 +83,8 @@ private:
     std::map<std::uint32_t, std::unique_ptr<FlatSilhouettes>> flat_;  ///< by mesh; Source::Cpu
     std::uint64_t edge_count_ = 0, worst_case_ = 0, capacity_ = 0;
     std::uint32_t job_count_ = 0;
-    StorageBuffer instances_, jobs_, records_, commands_;
+    StorageBuffer instances_, jobs_, candidates_, records_, commands_;
+    BufferTexture instance_texels_, job_texels_;
     VertexArray no_attributes_;
 };
 

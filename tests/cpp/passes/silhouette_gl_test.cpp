@@ -7,8 +7,8 @@
 #include <optional>
 #include <random>
 
-#include "passes/frame.h"
 #include "passes/silhouette_pass.h"
+#include "support/bare_frame.h"
 #include "support/obj.h"
 #include "support/scenes.h"
 
@@ -20,13 +20,6 @@ using Source = SilhouettePass::Source;
 /// One context for all tests; each makes its own scene and pass on it.
 class SilhouetteGl : public testing::Test {
 protected:
-    struct Bench {
-        Device& device;
-        const Scene& scene;
-        GpuScene gpu_scene;
-        GpuAdjacency adjacency;
-        Frame& frame;
-    };
     struct Found {
         std::vector<gpu::SilhouetteRecord> records;
         std::uint32_t count = 0;
@@ -51,32 +44,7 @@ protected:
     template <class F>
     auto with(const Scene& scene, F&& work) {
         return thread()->run([&](Device& device) {
-            GpuScene gpu_scene;
-            gpu_scene.update(scene);
-            GpuAdjacency adjacency;
-            ViewPass view_pass;
-            View view;
-            LightSummary summary;
-            FullscreenPass fullscreen;
-            StepClock clock{true};
-            Control control;
-            TextureImage visibility;
-            RenderTarget target;
-            Plan plan;
-            Frame frame{{device,
-                         scene,
-                         gpu_scene,
-                         adjacency,
-                         view_pass,
-                         view,
-                         summary,
-                         fullscreen,
-                         clock,
-                         control,
-                         {},
-                         visibility,
-                         target},
-                        plan};
+            BareFrame frame{device, scene};
             return work(frame);
         });
     }
@@ -91,9 +59,9 @@ protected:
 
     Found extract(const Scene& scene, const glm::dvec4& light_ws, const glm::dvec3& origin_ws,
                   const SilhouettePass::Options& options = {}) {
-        return with(scene, [&](Frame& frame) {
+        return with(scene, [&](BareFrame& frame) {
             SilhouettePass pass{options};
-            pass.prepare(frame, frame.gpu_scene(), frame.adjacency(), all_of(scene));
+            pass.prepare(frame, frame.gpu_scene, frame->adjacency(), all_of(scene));
             pass.extract(frame, light_ws, origin_ws);
             return Found{pass.read(), pass.read_count(), pass.edge_count()};
         });
