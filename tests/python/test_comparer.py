@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import skip
 from penumbra.compare import Comparer, Options
 from penumbra.progress import Progress
 
@@ -17,7 +18,7 @@ def renderer(core: Any) -> Any:
     try:
         return core.Renderer("")
     except core.DeviceError as error:
-        pytest.skip(str(error))
+        skip(str(error))
 
 
 def export(core: Any, width: int = 96, height: int = 64) -> Any:

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gl/render_thread.h"
+#include "support/skip.h"
 
 namespace penumbra {
 
@@ -29,7 +30,7 @@ class GlTest : public testing::Test {
 protected:
     void SetUp() override {
         if (!missing_gl().empty()) {
-            GTEST_SKIP() << missing_gl();
+            PENUMBRA_SKIP(missing_gl());
         }
         handles_before_ = live_handle_count();
         thread_ = std::make_unique<RenderThread>();

@@ -9,6 +9,7 @@
 
 #include "gl_fixture.h"
 #include "penumbra/control.h"
+#include "support/skip.h"
 
 namespace penumbra {
 namespace {
@@ -134,7 +135,7 @@ TEST_F(RenderThreadGl, AForkedChildIsToldAndEndsWithoutHanging) {
 
 TEST(RenderThreadExit, AProcessThatLeavesOneAliveEndsCleanly) {
     if (!missing_gl().empty()) {
-        GTEST_SKIP() << missing_gl();
+        PENUMBRA_SKIP(missing_gl());
     }
     testing::GTEST_FLAG(death_test_style) = "threadsafe";
     EXPECT_EXIT(

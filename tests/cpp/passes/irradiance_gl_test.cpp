@@ -10,6 +10,7 @@
 #include "gl/buffer.h"
 #include "gl/render_thread.h"
 #include "support/scenes.h"
+#include "support/skip.h"
 
 namespace penumbra {
 namespace {
@@ -67,7 +68,7 @@ TEST(IrradianceGl, TheShaderAgreesWithFloat64ForEveryKindOfLight) {
     try {
         thread.emplace();
     } catch (const DeviceError& error) {
-        GTEST_SKIP() << error.what();
+        PENUMBRA_SKIP(error.what());
     }
     std::mt19937 random{11};
     std::uniform_real_distribution<float> place{-2.0F, 2.0F}, unit{-1.0F, 1.0F};

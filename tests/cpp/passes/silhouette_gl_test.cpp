@@ -11,6 +11,7 @@
 #include "support/bare_frame.h"
 #include "support/obj.h"
 #include "support/scenes.h"
+#include "support/skip.h"
 
 namespace penumbra {
 namespace {
@@ -31,7 +32,7 @@ protected:
             try {
                 thread() = std::make_unique<RenderThread>();
             } catch (const DeviceError& error) {
-                GTEST_SKIP() << error.what();
+                PENUMBRA_SKIP(error.what());
             }
         }
     }

@@ -4,6 +4,7 @@
 
 #include "passes/view_pass.h"
 #include "support/scenes.h"
+#include "support/skip.h"
 
 namespace penumbra {
 namespace {
@@ -14,7 +15,7 @@ protected:
         try {
             thread_.emplace();
         } catch (const DeviceError& error) {
-            GTEST_SKIP() << error.what();
+            PENUMBRA_SKIP(error.what());
         }
     }
     View render(Scene scene) {

@@ -9,6 +9,7 @@
 
 #include "penumbra/renderer.h"
 #include "support/scenes.h"
+#include "support/skip.h"
 
 namespace penumbra {
 
@@ -21,7 +22,7 @@ protected:
             try {
                 shared() = std::make_unique<Renderer>();
             } catch (const DeviceError& error) {
-                GTEST_SKIP() << error.what();
+                PENUMBRA_SKIP(error.what());
             }
         }
     }
