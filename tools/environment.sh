@@ -43,21 +43,28 @@ need_packages() {
         fail "Debian packages could not be installed; run: sudo apt-get install ${missing[*]}"
 }
 
-# The interpreter: $PYTHON, else python3.11, else python3. Blender 4.5's module wants 3.11 exactly.
+# find_python [VERSION]: sets PYTHON to an interpreter of that version (3.11): $PYTHON itself, one on the path, or one that
+# pyenv or uv keeps. Fails if there is none.
 find_python() {
-    local candidate
-    for candidate in ${PYTHON:-} python3.11 python3; do
-        if "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then
+    local version=${1:-3.11} candidate
+    local candidates=(${PYTHON:+"$PYTHON"} "python$version" python3)
+    ! command -v pyenv >/dev/null || candidates+=("$(pyenv root)/versions/$version."*/bin/python)
+    ! command -v uv >/dev/null || candidates+=("$(uv python find "$version" 2>/dev/null || true)")
+    for candidate in "${candidates[@]}"; do
+        if "$candidate" -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$version')" 2>/dev/null; then
             PYTHON="$candidate"
             return
         fi
     done
-    fail "Python 3.11 is needed (Blender 4.5 as a module is built for it) and was not found; install it or set PYTHON"
+    return 1
 }
 
+# make_environment [VERSION]: the virtual environment $VENV with Python 3.11, or of the version given.
 make_environment() {
+    local version=${1:-3.11}
     [[ -x $VENV/bin/python ]] && "$VENV/bin/python" -c 'import pip' 2>/dev/null && return
-    find_python
+    find_python "$version" ||
+        fail "Python $version is needed (Blender's module is built for exactly that) and was not found; install it or set PYTHON"
     # Debian's own interpreter comes without ensurepip and headers.
     if ! "$PYTHON" -c 'import ensurepip, os, sysconfig, sys
 sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' 2>/dev/null; then
