@@ -37,7 +37,8 @@ glm::dvec4 recentred_light(const glm::dmat4& world_from_recentred, const glm::dv
 
 void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& adjacency,
                              std::span<const std::uint32_t> instances) {
-    static_cast<void>(frame);
+    on_cpu_ =
+        options_.source == Source::Cpu || (options_.source == Source::Auto && frame.device().context.info().software);
     adjacency.update(gpu_scene);
     gpu_scene_ = &gpu_scene;
     adjacency_ = &adjacency;
@@ -58,7 +59,7 @@ void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& ad
         edge_count_ += edges.edges.size();
         worst_case_ += (triangles ? 3ULL : 2ULL) * elements;
         elements_total += elements;
-        for (std::uint32_t first = 0; options_.source == Source::Gpu && first < elements; first += kElementsPerJob) {
+        for (std::uint32_t first = 0; !on_cpu_ && first < elements; first += kElementsPerJob) {
             jobs.push_back({static_cast<std::uint32_t>(slots_.size()),
                             (triangles ? range.first_plane : range.first_edge) + first,
                             std::min(kElementsPerJob, elements - first), range.first_plane});
@@ -73,12 +74,12 @@ void SilhouettePass::prepare(Frame& frame, GpuScene& gpu_scene, GpuAdjacency& ad
         data.mirrored = gpu_scene.mirrored(instance) ? 1 : 0;
         slots_.push_back({instance, mesh});
         instance_data_.push_back(data);
-        if (options_.source == Source::Cpu && !flat_.contains(mesh)) {
+        if (on_cpu_ && !flat_.contains(mesh)) {
             flat_.emplace(mesh, std::make_unique<FlatSilhouettes>(*gpu_scene.meshes()[mesh], edges));
         }
     }
     job_count_ = static_cast<std::uint32_t>(jobs.size());
-    if (options_.source == Source::Gpu) {
+    if (!on_cpu_) {
         jobs_ = StorageBuffer::from(jobs, "silhouette jobs");
         instances_ = StorageBuffer::from(instance_data_, "silhouette instances");
         candidates_ =
@@ -107,7 +108,7 @@ void SilhouettePass::make_room(std::uint64_t records) {
 
 void SilhouettePass::extract(Frame& frame, const glm::dvec4& light_ws, const glm::dvec3& origin_ws) {
     PENUMBRA_ASSERT(gpu_scene_ != nullptr);
-    if (options_.source == Source::Cpu) {
+    if (on_cpu_) {
         find_on_cpu(light_ws, origin_ws);
     } else {
         send_instances(light_ws, origin_ws);
@@ -181,8 +182,9 @@ void SilhouettePass::find_on_device(Frame& frame) {
 }
 
 void SilhouettePass::find_on_cpu(const glm::dvec4& light_ws, const glm::dvec3& origin_ws) {
-    std::vector<SilhouetteEdge> edges;
-    std::vector<gpu::SilhouetteRecord> records;
+    std::vector<SilhouetteEdge>& edges = found_edges_;  // kept, for their memory
+    std::vector<gpu::SilhouetteRecord>& records = found_records_;
+    records.clear();
     for (const Slot& slot : slots_) {
         const GpuScene::MeshRange& placed = gpu_scene_->mesh_ranges()[slot.mesh];
         const Mesh& mesh = *gpu_scene_->meshes()[slot.mesh];

@@ -29,7 +29,11 @@ class GpuScene;
 /// combine by minimum, to which a double is nothing.
 class SilhouettePass {
 public:
-    enum class Source { Gpu, Cpu };  ///< Cpu: FlatSilhouettes, then one upload; the same records in another order
+    enum class Source {
+        Gpu,
+        Cpu,   ///< FlatSilhouettes, then one upload; the same records in another order
+        Auto,  ///< Cpu where the device renders on the CPU and compute shaders cost several times as much, else Gpu
+    };
     struct Options {
         Source source = Source::Gpu;
         EdgeChoice choice = EdgeChoice::Silhouettes;
@@ -80,7 +84,10 @@ private:
     const GpuAdjacency* adjacency_ = nullptr;
     std::vector<Slot> slots_;
     std::vector<gpu::SilhouetteInstance> instance_data_;  ///< what does not change between frames is kept here
-    std::map<std::uint32_t, std::unique_ptr<FlatSilhouettes>> flat_;  ///< by mesh; Source::Cpu
+    bool on_cpu_ = false;
+    std::map<std::uint32_t, std::unique_ptr<FlatSilhouettes>> flat_;  ///< by mesh; on the CPU only
+    std::vector<SilhouetteEdge> found_edges_;
+    std::vector<gpu::SilhouetteRecord> found_records_;
     std::uint64_t edge_count_ = 0, worst_case_ = 0, capacity_ = 0;
     std::uint32_t job_count_ = 0;
     StorageBuffer instances_, jobs_, candidates_, records_, commands_;

@@ -41,12 +41,7 @@ int exact_facing(uint triangle) {
 
 int facing_of(uint triangle) {
     float s = plane_side(first_plane + triangle, light);
-    int facing = s > 0.0 ? 1 : -1;
-    // A loop of one turn: software rasterisers step over a loop that no lane enters, but go through every branch.
-    for (bool unsure = abs(s) <= sure_facing; unsure; unsure = false) {
-        facing = exact_facing(triangle);
-    }
-    return facing;
+    return abs(s) > sure_facing ? (s > 0.0 ? 1 : -1) : exact_facing(triangle);
 }
 
 int vote_of(uint side, int facing) {
@@ -176,10 +171,7 @@ void decide(uint index) {
     bool many = has_many(edge);
     uint count = edge.w == kNone ? 1u : many ? edge.w & ~kMany : 2u;
     for (uint i = 0u; i < count; ++i) {
-        uint side = i == 0u ? edge.z : edge.w;
-        for (bool elsewhere = many; elsewhere; elsewhere = false) {
-            side = many_side(edge, i);
-        }
+        uint side = many ? many_side(edge, i) : i == 0u ? edge.z : edge.w;
         int facing = facing_of(side >> 1u);
         int vote = vote_of(side, facing);
         left = left || vote > 0;

@@ -285,6 +285,7 @@ TEST_F(SilhouetteGl, TheCpuSourceGivesTheSameRecords) {
         const Found gpu = extract(scene, light, origin, {.choice = choice});
         const Found cpu = extract(scene, light, origin, {.source = Source::Cpu, .choice = choice});
         ASSERT_EQ(gpu.count, cpu.count);
+        EXPECT_EQ(extract(scene, light, origin, {.source = Source::Auto, .choice = choice}).count, cpu.count);
         const auto by_ids = [](const Found& found) {
             std::map<Triple, gpu::SilhouetteRecord> map;
             for (const auto& record : found.records) {
