@@ -92,6 +92,7 @@ void bind_light(py::module_& m) {
             "corners_ws",
             [](const Light& light) {
                 std::vector<std::array<double, 3>> corners;
+                corners.reserve(light.corners_ws.size());
                 for (const glm::dvec3& c : light.corners_ws) {
                     corners.push_back({c.x, c.y, c.z});
                 }

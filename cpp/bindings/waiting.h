@@ -13,7 +13,7 @@ namespace penumbra::bindings {
 /// Runs `work(Control&)` on a thread of its own with the GIL released, and meanwhile hears Ctrl-C and tells
 /// `progress(fraction, text)` about ten times a second. An exception of either cancels the work.
 template <class Work>
-auto wait_for(Work&& work, const pybind11::object& progress, const std::string& text) {
+auto wait_for(const Work& work, const pybind11::object& progress, const std::string& text) {
     namespace py = pybind11;
     Control control;
     auto future = std::async(std::launch::async, [&] { return work(control); });

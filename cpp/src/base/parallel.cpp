@@ -74,6 +74,7 @@ void parallel_for(std::int64_t count, std::int64_t grain, const std::function<vo
     const auto helpers = std::min<std::int64_t>(thread_count() - 1, pieces - 1);
     {
         std::vector<std::jthread> threads;
+        threads.reserve(static_cast<std::size_t>(std::max<std::int64_t>(helpers, 0)));
         for (std::int64_t i = 0; i < helpers; ++i) {
             threads.emplace_back(work);
         }

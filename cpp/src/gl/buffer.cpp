@@ -30,7 +30,7 @@ void StorageBuffer::resize(std::size_t bytes) {
         context.discard_errors();
         buffer_.reset();
         bytes_ = 0;
-        constexpr std::size_t kMebibyte = 1024U * 1024U;
+        constexpr std::size_t kMebibyte = std::size_t{1} << 20U;
         throw OutOfMemory(what_ + ": a buffer of " + std::to_string(bytes / kMebibyte) + " MiB is more than " +
                           context.info().name + " gives; use fewer triangles or samples");
     }

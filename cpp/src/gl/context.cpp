@@ -1,6 +1,7 @@
 #include "gl/context.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include "gl/egl.h"
@@ -20,7 +21,7 @@ bool listens_by_default() {
     if (value != nullptr && *value != '\0') {
         return std::string_view(value) != "0";
     }
-#if defined(PENUMBRA_DEBUG)
+#ifdef PENUMBRA_DEBUG
     return true;
 #else
     return false;
@@ -86,15 +87,13 @@ struct Context::State {
     std::string lost_because;           // empty: not lost
     std::vector<std::string> messages;  // from the driver, since the last check
 
-    [[nodiscard]] bool has(std::string_view extension) const {
-        return std::binary_search(names.begin(), names.end(), extension);
-    }
+    [[nodiscard]] bool has(std::string_view extension) const { return std::ranges::binary_search(names, extension); }
     void read_names() {
         const int count = get_int(GL_NUM_EXTENSIONS);
         for (int i = 0; i < count; ++i) {
             names.emplace_back(reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
         }
-        std::sort(names.begin(), names.end());
+        std::ranges::sort(names);
     }
     void read_limits() {
         limits.max_texture_size_px = get_int(GL_MAX_TEXTURE_SIZE);
@@ -114,7 +113,7 @@ struct Context::State {
         extensions.seamless_cubemap_per_texture = has("GL_ARB_seamless_cubemap_per_texture");
     }
 
-    static void GLAD_API_PTR on_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length,
+    static void GLAD_API_PTR on_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum severity, GLsizei length,
                                         const GLchar* message, const void* user) {
         const bool bad = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
                          severity == GL_DEBUG_SEVERITY_HIGH || severity == GL_DEBUG_SEVERITY_MEDIUM;
@@ -122,6 +121,7 @@ struct Context::State {
         if (!bad || type == GL_DEBUG_TYPE_PERFORMANCE) {
             return;
         }
+        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): OpenGL adds the const; a State was registered
         auto& state = *static_cast<State*>(const_cast<void*>(user));
         if (state.messages.size() < static_cast<std::size_t>(kMostErrors)) {
             state.messages.emplace_back(
@@ -216,8 +216,8 @@ std::optional<std::int64_t> Context::free_memory_bytes() const {
         return get_int(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX) * kKibibyte;
     }
     if (state_->has("GL_ATI_meminfo")) {
-        GLint free_kib[4] = {};  // total free, largest free block, and the same for auxiliary memory
-        glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, free_kib);
+        std::array<GLint, 4> free_kib{};  // total free, largest free block, and the same for auxiliary memory
+        glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, free_kib.data());
         return free_kib[0] * kKibibyte;
     }
     return std::nullopt;

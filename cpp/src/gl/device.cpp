@@ -22,8 +22,7 @@ std::string gl_string(GLenum name) {
 
 std::string lower(std::string_view text) {
     std::string result(text);
-    std::transform(result.begin(), result.end(), result.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ranges::transform(result, result.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return result;
 }
 
@@ -116,8 +115,8 @@ std::size_t choose_device(std::span<const DeviceInfo> devices, std::string_view 
     }
     if (wanted.empty()) {
         const auto usable_kind = [&](bool software) {
-            return std::find_if(devices.begin(), devices.end(),
-                                [&](const DeviceInfo& d) { return d.usable && d.software == software; });
+            return std::ranges::find_if(devices,
+                                        [&](const DeviceInfo& d) { return d.usable && d.software == software; });
         };
         auto found = usable_kind(false);
         if (found == devices.end()) {
@@ -133,7 +132,7 @@ std::size_t choose_device(std::span<const DeviceInfo> devices, std::string_view 
     std::optional<std::size_t> match;
     if (const auto index = as_index(wanted)) {
         if (*index < devices.size()) {
-            match = *index;
+            match = index;
         }
     } else {
         const std::string part = lower(wanted);

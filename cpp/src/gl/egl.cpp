@@ -27,7 +27,7 @@ std::string library_name(const DeviceOptions& options) {
     return from_environment != nullptr && *from_environment != '\0' ? from_environment : kDefaultLibrary;
 }
 
-EGLDisplay no_display(EGLNativeDisplayType) {
+EGLDisplay no_display(EGLNativeDisplayType /*native*/) {
     return EGL_NO_DISPLAY;
 }
 EGLDisplay no_current_display() {
@@ -154,7 +154,7 @@ EGLContext try_context(EGLDisplay display, EGLConfig config, bool debug, bool ro
 
 void load(const DeviceOptions& options) {
     static std::mutex mutex;
-    const std::lock_guard lock(mutex);
+    const std::scoped_lock lock(mutex);
     const std::string name = library_name(options);
     void* opened = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (opened == nullptr) {
@@ -207,9 +207,8 @@ std::vector<Candidate> enumerate() {
                         candidate.name = text(eglQueryDeviceStringEXT(device, EGL_RENDERER_EXT));
                     }
                     if (candidate.name.empty()) {
-                        candidate.name = candidate.software           ? "software device"
-                                         : candidate.drm_path.empty() ? "EGL device"
-                                                                      : candidate.drm_path;
+                        const std::string hardware = candidate.drm_path.empty() ? "EGL device" : candidate.drm_path;
+                        candidate.name = candidate.software ? "software device" : hardware;
                     }
                     candidates.push_back(std::move(candidate));
                 }
@@ -244,7 +243,7 @@ RawContext create_context(const Candidate& candidate, bool debug) {
     if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) {
         throw DeviceError("its driver has no desktop OpenGL (" + error_name(eglGetError()) + ")");
     }
-    const EGLConfig config = choose_config(raw.display, extensions);
+    EGLConfig config = choose_config(raw.display, extensions);
     raw.context = try_context(raw.display, config, debug, true);
     if (raw.context == EGL_NO_CONTEXT) {
         raw.context = try_context(raw.display, config, debug, false);
@@ -285,7 +284,7 @@ void load_gl() {
     // on the calling thread. Filled once, so that no thread reads it while another writes.
     static std::mutex mutex;
     static bool loaded = false;
-    const std::lock_guard lock(mutex);
+    const std::scoped_lock lock(mutex);
     if (loaded) {
         return;
     }

@@ -9,15 +9,15 @@
 namespace penumbra::gpu {
 
 using uint = std::uint32_t;
-using vec2 = glm::vec2;
-using vec4 = glm::vec4;
-using dvec2 = glm::dvec2;
-using dvec4 = glm::dvec4;
-using ivec2 = glm::ivec2;
-using ivec4 = glm::ivec4;
-using uvec2 = glm::uvec2;
-using uvec4 = glm::uvec4;
-using mat4 = glm::mat4;
-using dmat4 = glm::dmat4;
+using glm::dmat4;
+using glm::dvec2;
+using glm::dvec4;
+using glm::ivec2;
+using glm::ivec4;
+using glm::mat4;
+using glm::uvec2;
+using glm::uvec4;
+using glm::vec2;
+using glm::vec4;
 
 }  // namespace penumbra::gpu

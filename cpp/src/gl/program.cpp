@@ -36,7 +36,7 @@ GLenum stage_of(std::string_view file) {
 
 std::string join(std::span<const std::string_view> files) {
     std::string text;
-    for (std::string_view file : files) {
+    for (const std::string_view file : files) {
         text += (text.empty() ? "" : " + ") + std::string(file);
     }
     return text;
@@ -233,7 +233,7 @@ void Program::set(std::string_view u, std::span<const glm::mat4> v) const {
 
 const Program& ProgramLibrary::get(std::initializer_list<std::string_view> stage_files, const Defines& defines) {
     Defines sorted = defines;
-    std::sort(sorted.begin(), sorted.end(), [](const Define& a, const Define& b) { return a.name < b.name; });
+    std::ranges::sort(sorted, [](const Define& a, const Define& b) { return a.name < b.name; });
     const std::span<const std::string_view> files(stage_files.begin(), stage_files.size());
     std::string key = join(files);
     for (std::size_t i = 0; i < sorted.size(); ++i) {
@@ -254,7 +254,7 @@ std::unique_ptr<Program> ProgramLibrary::compile(std::span<const std::string_vie
                                                  std::span<const Define> defines) const {
     auto program = std::make_unique<Program>();
     std::vector<ShaderObject> shaders;
-    for (std::string_view file : stage_files) {
+    for (const std::string_view file : stage_files) {
         const ExpandedSource source = expand(*sources_, file, defines);
         shaders.push_back(compile_stage(file, source));
         collect_uniforms(source.text, program->declared_);

@@ -51,7 +51,7 @@ RenderThread::~RenderThread() {
         return;
     }
     {
-        const std::lock_guard lock(mutex_);
+        const std::scoped_lock lock(mutex_);
         closing_ = true;
     }
     wake_.notify_one();
@@ -66,7 +66,7 @@ void RenderThread::push(std::unique_ptr<Job> job) {
             "renderer in a process started by spawn");
     }
     {
-        const std::lock_guard lock(mutex_);
+        const std::scoped_lock lock(mutex_);
         jobs_.push_back(std::move(job));
     }
     wake_.notify_one();

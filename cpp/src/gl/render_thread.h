@@ -79,17 +79,17 @@ private:
         using Result = std::invoke_result_t<Work&, Device&>;
         static_assert(!std::is_reference_v<Result>, "results leave the render thread by value");
 
-        template <class F>
-        explicit JobOf(F&& f) : work(std::forward<F>(f)) {}
+        explicit JobOf(Work w) : work(std::move(w)) {}
 
         void run(Device* device) override {
+            Work& mine = *work;  // NOLINT(bugprone-unchecked-optional-access): full until run(), which is called once
             try {
                 if constexpr (std::is_void_v<Result>) {
-                    guarded(*work, device);
+                    guarded(mine, device);
                     work.reset();
                     promise.set_value();
                 } else {
-                    Result result = guarded(*work, device);
+                    Result result = guarded(mine, device);
                     work.reset();
                     promise.set_value(std::move(result));
                 }

@@ -1,5 +1,6 @@
 #include "gl/shader_source.h"
 
+#include <algorithm>
 #include <regex>
 #include <sstream>
 
@@ -41,7 +42,7 @@ public:
         const auto found = sources_.find(key);
         if (found == sources_.end()) {
             throw DeviceError((included_from.empty() ? std::string("shader \"") : included_from + ": include \"") +
-                              std::string(key) + "\" does not exist; keys look like \"lib/depth.glsl\"");
+                              std::string(key) + R"(" does not exist; keys look like "lib/depth.glsl")");
         }
         const std::size_t number = out_.files.size();
         out_.files.emplace_back(key);
@@ -73,7 +74,7 @@ private:
         bool meet(const Directive& directive) {
             if (directive.name == "ifdef" || directive.name == "ifndef" || directive.name == "if") {
                 const bool about_cpp = directive.rest.find("__cplusplus") != std::string_view::npos;
-                const bool negated = directive.name == "ifndef" || directive.rest.starts_with("!");
+                const bool negated = directive.name == "ifndef" || directive.rest.starts_with('!');
                 open_.push_back({about_cpp, about_cpp && !negated});
                 return about_cpp;
             }
@@ -93,12 +94,7 @@ private:
             return false;
         }
         [[nodiscard]] bool for_cpp() const {
-            for (const Condition& condition : open_) {
-                if (condition.for_cpp) {
-                    return true;
-                }
-            }
-            return false;
+            return std::ranges::any_of(open_, [](const Condition& condition) { return condition.for_cpp; });
         }
 
     private:
@@ -170,7 +166,7 @@ std::string readable_log(std::string_view log, const ExpandedSource& source) {
     std::string line;
     while (std::getline(lines, line)) {
         line.erase(line.find_last_not_of(" \t\r") + 1);
-        line.erase(0, line.find('\0') == 0 ? 1 : 0);
+        line.erase(0, line.starts_with('\0') ? 1 : 0);
         if (line.empty()) {
             continue;
         }

@@ -92,7 +92,7 @@ TextureImage TextureImage::make(GLenum target, GLenum format, int width, int hei
     if (glGetError() == GL_OUT_OF_MEMORY) {
         Context& context = *Context::current();
         context.discard_errors();
-        constexpr std::size_t kMebibyte = 1024U * 1024U;
+        constexpr std::size_t kMebibyte = std::size_t{1} << 20U;
         throw OutOfMemory(image.what_ + ": a texture of " + size_text(width, height, layers) + " (" + info.name + ", " +
                           std::to_string(image.bytes() / kMebibyte) + " MiB) is more than " + context.info().name +
                           " gives; ask for a smaller one");
@@ -125,7 +125,7 @@ void TextureImage::set_filter(GLenum minify, GLenum magnify) {
 }
 
 void TextureImage::set_wrap(GLenum mode) {
-    for (GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
         glTextureParameteri(name(), axis, static_cast<GLint>(mode));
     }
 }

@@ -48,8 +48,8 @@ const std::array kFormats{
 }  // namespace
 
 const FormatInfo& format_info(GLenum internal_format) {
-    const auto found = std::find_if(kFormats.begin(), kFormats.end(),
-                                    [&](const FormatInfo& info) { return info.format == internal_format; });
+    const auto found =
+        std::ranges::find_if(kFormats, [&](const FormatInfo& info) { return info.format == internal_format; });
     if (found == kFormats.end()) {
         throw DeviceError("texture format " + std::to_string(internal_format) +
                           " is not in the table of texture_formats.cpp; add it there");

@@ -43,11 +43,11 @@ public:
     private:
         StepClock& clock_;
     };
-    [[nodiscard]] Scope scope(std::string_view name) { return Scope(*this, name); }
+    [[nodiscard]] Scope scope(std::string_view name) { return {*this, name}; }
 
     /// begin(name), work(), end(), check_gl(name): a step as it should be.
     template <class F>
-    void step(std::string_view name, F&& work) {
+    void step(std::string_view name, const F& work) {
         {
             const Scope timed(*this, name);
             work();
@@ -58,8 +58,8 @@ public:
 private:
     struct Measured {
         std::string name;
-        Query begin, end;                                 ///< hardware
-        std::chrono::steady_clock::time_point started{};  ///< wall clock
+        Query begin, end;                               ///< hardware
+        std::chrono::steady_clock::time_point started;  ///< wall clock
         double ms = 0.0;
     };
     [[nodiscard]] Query timestamp();

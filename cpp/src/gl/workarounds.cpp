@@ -10,8 +10,7 @@ namespace {
 
 std::string lower(std::string_view text) {
     std::string result(text);
-    std::transform(result.begin(), result.end(), result.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ranges::transform(result, result.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return result;
 }
 
@@ -22,8 +21,7 @@ bool is_software_renderer(std::string_view renderer) noexcept {
     constexpr std::array<std::string_view, 6> kNames{"llvmpipe",  "softpipe",    "swrast",
                                                      "swr (llvm", "swiftshader", "software rasterizer"};
     const std::string name = lower(renderer);
-    return std::any_of(kNames.begin(), kNames.end(),
-                       [&](std::string_view part) { return name.find(part) != std::string::npos; });
+    return std::ranges::any_of(kNames, [&](std::string_view part) { return name.find(part) != std::string::npos; });
 }
 
 Workarounds decide_workarounds(std::string_view /*vendor*/, std::string_view renderer, std::string_view /*version*/) {

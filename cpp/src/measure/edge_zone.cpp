@@ -15,7 +15,7 @@ void widen(std::uint8_t* line, int count, std::ptrdiff_t stride, int radius_px) 
     int since = radius_px + 1;  // pixels since the last 1
     for (int i = 0; i < count; ++i) {
         since = before[static_cast<std::size_t>(i)] != 0 ? 0 : since + 1;
-        line[i * stride] = since <= radius_px;
+        line[i * stride] = since <= radius_px ? 1 : 0;
     }
     since = radius_px + 1;
     for (int i = count - 1; i >= 0; --i) {

@@ -119,7 +119,7 @@ std::string error_sentence(const ErrorSummary& summary, double share_beside_edge
         return join("Within the reference's noise: an RMSE of ", summary.rmse,
                     " is not above the reference's own standard error of ", summary.reference_standard_error, '.');
     }
-    const std::string text = sentence_of_the_dominant(summary, share_beside_edges);
+    std::string text = sentence_of_the_dominant(summary, share_beside_edges);
     if (summary.non_finite == 0) {
         return text;
     }

@@ -113,6 +113,7 @@ std::vector<TimeSummary> measure_interleaved(std::span<const std::function<doubl
         }
     }
     std::vector<TimeSummary> summaries;
+    summaries.reserve(states.size());
     for (const JobState& state : states) {
         summaries.push_back(state.summary);
     }

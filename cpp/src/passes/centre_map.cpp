@@ -23,8 +23,8 @@ std::string receiver_name(const MapFace& face) {
 std::vector<std::uint32_t> casters_and_receivers(const LightSummary& summary, const MapFace& face) {
     std::vector<std::uint32_t> instances = casters_in(summary, face);
     instances.insert(instances.end(), summary.receivers.begin(), summary.receivers.end());
-    std::sort(instances.begin(), instances.end());
-    instances.erase(std::unique(instances.begin(), instances.end()), instances.end());
+    std::ranges::sort(instances);
+    instances.erase(std::ranges::unique(instances).begin(), instances.end());
     return instances;
 }
 

@@ -58,7 +58,7 @@ public:
 
     /// Runs one step of the plan under the clock, or does nothing where the plan leaves it out.
     template <class F>
-    void step(std::string_view name, F&& work) {
+    void step(std::string_view name, const F& work) {
         if (!plan_.runs(name)) {
             return;
         }

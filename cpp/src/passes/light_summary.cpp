@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numbers>
 
 #include "reference/light_mask.h"
 #include "scene/bounds.h"
@@ -55,7 +56,7 @@ std::vector<glm::dvec3> separating_axes(const glm::dvec3& main_direction) {
         const glm::dvec3 v = glm::cross(w, u);
         constexpr int kTurns = 16;
         for (int i = 0; i < kTurns; ++i) {
-            const double angle = 3.14159265358979323846 * i / kTurns;
+            const double angle = std::numbers::pi * i / kTurns;
             const glm::dvec3 side = std::cos(angle) * u + std::sin(angle) * v;
             axes.push_back(side);
             axes.push_back(glm::normalize(side + 0.3 * w));
@@ -120,7 +121,7 @@ bool may_cast(const Bounds& caster_ws, const LightSummary& summary, const Bounds
             if (std::cos(std::max(0.0, angle - half)) > 0.0) {
                 hull.high = kInfinity;
             }
-            if (std::cos(std::min(3.14159265358979323846, angle + half)) < 0.0) {
+            if (std::cos(std::min(std::numbers::pi, angle + half)) < 0.0) {
                 hull.low = -kInfinity;
             }
         } else {

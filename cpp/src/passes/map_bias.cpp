@@ -1,18 +1,18 @@
 #include "passes/map_bias.h"
 
 #include <algorithm>
+#include <array>
 
 namespace penumbra {
 
 namespace {
 
-const std::vector<std::string> kModes{"none",          "constant",     "slope",   "receiver_plane",
-                                      "normal_offset", "second_depth", "midpoint"};
+constexpr std::array kModes{"none", "constant", "slope", "receiver_plane", "normal_offset", "second_depth", "midpoint"};
 
 }  // namespace
 
 std::vector<SettingInfo> map_settings(const char* default_bias, bool with_midpoint) {
-    std::vector<std::string> modes = kModes;
+    std::vector<std::string> modes(kModes.begin(), kModes.end());
     if (!with_midpoint) {
         modes.pop_back();
     }

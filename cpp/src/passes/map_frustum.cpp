@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace penumbra {
 
@@ -12,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A frustum wider than this spends its texels badly (at 55 degrees the rim's texels are 3 times as wide in angle as
 // those of a cube); then faces of a cube are used.
-const double kWidestTangent = std::tan(55.0 * 3.14159265358979323846 / 180.0);
+const double kWidestTangent = std::tan(55.0 * std::numbers::pi / 180.0);
 // Receivers nearer to the light point than this share of their distance are treated as touching it.
 constexpr double kNearShare = 1e-5;
 
@@ -94,8 +95,7 @@ void pad(Extent& extent, const MapFrustumOptions& options) {
     const double usable = std::max(1.0, options.size_px - 2.0 * options.margin_texels);
     glm::dvec2 size = extent.high - extent.low;
     // A single visible pixel has no extent; a map of width zero would have texels of width zero.
-    const double least =
-        1e-4 * std::max({1e-12, size.x, size.y, std::max(glm::length(extent.low), glm::length(extent.high))});
+    const double least = 1e-4 * std::max({1e-12, size.x, size.y, glm::length(extent.low), glm::length(extent.high)});
     const glm::dvec2 centre = 0.5 * (extent.low + extent.high);
     size = glm::max(size, glm::dvec2{least}) * (options.size_px / usable);
     extent.low = centre - 0.5 * size;
@@ -241,9 +241,8 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
     for (const ReceiverTile& tile : summary.tiles) {
         const auto corners = corners_of(glm::dvec3{tile.low_cr}, glm::dvec3{tile.high_cr});
         const int first = face_of(base * (corners[0] + eye_from_origin));
-        const bool inside_one = std::all_of(corners.begin(), corners.end(), [&](const glm::dvec3& corner) {
-            return face_of(base * (corner + eye_from_origin)) == first;
-        });
+        const bool inside_one = std::ranges::all_of(
+            corners, [&](const glm::dvec3& corner) { return face_of(base * (corner + eye_from_origin)) == first; });
         if (inside_one) {  // face cones are convex, so the whole box is inside
             for (const glm::dvec3& corner : corners) {
                 add(corner + eye_from_origin);

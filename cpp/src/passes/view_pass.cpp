@@ -30,7 +30,7 @@ glm::dmat4 clip_from_rel(const Camera& camera) {
         projection[3][2] = n * f / (f - n);
         projection[2][3] = -1.0;
     }
-    glm::dmat4 camera_from_rel{glm::transpose(glm::dmat3{camera.world_from_camera})};
+    const glm::dmat4 camera_from_rel{glm::transpose(glm::dmat3{camera.world_from_camera})};
     return projection * camera_from_rel;
 }
 

@@ -51,6 +51,8 @@ public:
             static_cast<void>(state_.release());
         }
     }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
 
     RenderThread thread_;
     Environment environment_;
@@ -191,11 +193,10 @@ public:
         return total;
     }
 
-    std::vector<float> result(Run& run, const LightSummary& summarised) {
-        State& s = *state_;
+    [[nodiscard]] std::vector<float> result(const Run& run, const LightSummary& summarised) const {
+        const State& s = *state_;
         std::vector<float> visibility;
-        const bool anything_ran =
-            std::any_of(run.plan.steps.begin(), run.plan.steps.end(), [](const Step& step) { return step.run; });
+        const bool anything_ran = std::ranges::any_of(run.plan.steps, [](const Step& step) { return step.run; });
         if (!anything_ran) {
             visibility.assign(s.view->size(), 1.0F);
         } else if (run.frame->result_on_cpu()) {
@@ -306,8 +307,7 @@ std::vector<NamedDebugImage> Renderer::debug_images(std::size_t light, const Job
         const std::vector<DebugView> offered = run->technique->debug_views(run->plan);
         std::vector<DebugView> wanted = views.empty() ? offered : std::vector<DebugView>{};
         for (const std::string& id : views) {
-            const auto found =
-                std::find_if(offered.begin(), offered.end(), [&](const DebugView& view) { return view.id == id; });
+            const auto found = std::ranges::find_if(offered, [&](const DebugView& view) { return view.id == id; });
             if (found == offered.end()) {
                 std::string known;
                 for (const DebugView& view : offered) {
@@ -320,7 +320,7 @@ std::vector<NamedDebugImage> Renderer::debug_images(std::size_t light, const Job
         }
         run->technique->update(*run->frame);
         run->technique->resolve(*run->frame);
-        impl_->state_->clock.collect();
+        static_cast<void>(impl_->state_->clock.collect());  // nobody asks for the times of these steps
         std::vector<NamedDebugImage> images;
         for (DebugView& view : wanted) {
             control.check();

@@ -49,7 +49,7 @@ void check_indices(const Mesh& mesh) {
     const std::size_t count = mesh.positions_local.size();
     std::uint32_t highest = 0;
     for (const glm::uvec3& triangle : mesh.triangles) {
-        highest = std::max(highest, std::max(triangle.x, std::max(triangle.y, triangle.z)));
+        highest = std::max({highest, triangle.x, triangle.y, triangle.z});
     }
     if (mesh.triangles.empty() || highest < count) {
         return;
@@ -92,7 +92,7 @@ void check_transform(const char* what, const std::string& name, const glm::dmat4
     glm::dvec3 lengths{0.0};
     for (int column = 0; column < 3; ++column) {
         const glm::dvec3 axis = glm::abs(directions[column]);
-        const double largest = std::max(axis.x, std::max(axis.y, axis.z));
+        const double largest = std::max({axis.x, axis.y, axis.z});
         if (largest > 0.0) {
             directions[column] /= largest;
             const double length = glm::length(directions[column]);
@@ -148,7 +148,7 @@ void check_range(const Camera& camera, const char* member, double value, double 
 void make_rigid(glm::dmat4& world_from_camera) {
     const auto unit = [](const glm::dvec3& v) {
         const glm::dvec3 size = glm::abs(v);
-        return glm::normalize(v / std::max(size.x, std::max(size.y, size.z)));
+        return glm::normalize(v / std::max({size.x, size.y, size.z}));
     };
     const glm::dvec3 x_axis{world_from_camera[0]};
     const glm::dvec3 z = unit(glm::dvec3{world_from_camera[2]});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -111,7 +112,7 @@ SphereCap visible_cap(const LightSummary& summary) {
         const double angle = std::acos(std::clamp(glm::dot(p, cap.axis_ws) / distance, -1.0, 1.0));
         widest = std::max(widest, angle + std::acos(light.radius_m / distance));
     }
-    cap.least_cosine = std::cos(std::min(widest, 3.14159265358979323846));
+    cap.least_cosine = std::cos(std::min(widest, std::numbers::pi));
     return cap;
 }
 

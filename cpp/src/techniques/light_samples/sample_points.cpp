@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace penumbra {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 std::vector<glm::dvec2> unit_square(int count, std::string_view pattern, std::uint32_t seed) {
     std::mt19937_64 random{seed};

@@ -1,5 +1,7 @@
 #include "techniques/pcf/pcf.h"
 
+#include <array>
+
 #include "passes/debug_picture.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -8,7 +10,7 @@ namespace penumbra {
 
 namespace {
 
-const std::vector<std::string> kFilters{"2x2", "bicubic16", "bicubic4", "box"};
+constexpr std::array kFilters{"2x2", "bicubic16", "bicubic4", "box"};
 
 int filter_index(const Settings& settings) {
     const std::string& filter = get_choice(settings, "filter");
@@ -23,7 +25,10 @@ int filter_index(const Settings& settings) {
 /// Texels that the filter reaches beyond the receiver's, for the margin of the map.
 double reach_texels(const Settings& settings) {
     const int filter = filter_index(settings);
-    return filter == 0 ? 2.0 : (filter == 3 ? 0.5 * get_int(settings, "kernel") + 2.0 : 4.0);
+    if (filter == 0) {
+        return 2.0;
+    }
+    return filter == 3 ? 0.5 * get_int(settings, "kernel") + 2.0 : 4.0;
 }
 
 std::vector<SettingInfo> pcf_settings() {
@@ -35,7 +40,7 @@ std::vector<SettingInfo> pcf_settings() {
                         .default_value = std::string{"box"},
                         .minimum = 0,
                         .maximum = 0,
-                        .choices = kFilters,
+                        .choices = {kFilters.begin(), kFilters.end()},
                         .sweep = {std::string{"2x2"}, std::string{"bicubic16"}}});
     settings.push_back({.id = "kernel",
                         .label = "Kernel",
