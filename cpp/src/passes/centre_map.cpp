@@ -31,9 +31,19 @@ std::vector<std::uint32_t> casters_and_receivers(const LightSummary& summary, co
 }  // namespace
 
 bool CentreMap::needs_receiver_map(const LightSummary& summary) const noexcept {
+    // A receiver that cannot cast onto any other (a floor) is left out of the casters.
+    const auto casts = [&](std::uint32_t receiver) {
+        return std::find(summary.casters.begin(), summary.casters.end(), receiver) != summary.casters.end();
+    };
     // Simplified casters are not where their full meshes are seen to be, and culled ones leave no nearest surface.
-    return options_.with_receivers && (summary.receivers_not_casting > 0 || summary.keep_everything ||
+    return options_.with_receivers && (!std::all_of(summary.receivers.begin(), summary.receivers.end(), casts) ||
+                                       summary.receivers_not_casting > 0 || summary.keep_everything ||
                                        caster_scene_ != nullptr || options_.bias.cull() != Cull::None);
+}
+
+MapFrustum CentreMap::fit(const LightSummary& summary) const {
+    const Light& light = *summary.light;
+    return fit_map_frustum(summary, light.position_ws, light.direction_ws, frustum_options_);
 }
 
 bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan& plan) const {
@@ -43,8 +53,7 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
         plan.leave_out(std::string{lookup}, trivial.rule, trivial.reason);
         return false;
     }
-    const Light& light = *summary.light;
-    const MapFrustum frustum = fit_map_frustum(summary, light.position_ws, light.direction_ws, frustum_options_);
+    const MapFrustum frustum = fit(summary);
     for (const MapFace& face : frustum.faces) {
         plan.run(step_name(face));
         if (midpoint()) {
@@ -60,7 +69,7 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
     }
     if (options_.with_receivers && !needs_receiver_map(summary)) {
         plan.leave_out("receiver depth map", "every-receiver-casts",
-                       "every visible receiver casts, so the map of casters holds it");
+                       "every visible receiver is among the casters, so their map holds it");
     }
     if (summary.casters_outside > 0) {
         plan.leave_out("casters out of reach", "caster-outside-hull",
@@ -72,8 +81,7 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
 }
 
 void CentreMap::allocate(Frame& frame) {
-    const Light& light = frame.light();
-    frustum_ = fit_map_frustum(frame.summary(), light.position_ws, light.direction_ws, frustum_options_);
+    frustum_ = fit(frame.summary());
     const int layers = static_cast<int>(frustum_.faces.size());
     if (layers > 0) {
         map_.allocate(options_.size_px, layers, "depth map");

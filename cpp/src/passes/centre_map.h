@@ -34,6 +34,9 @@ public:
     /// @return false if the light needs no map at all; the reason is in the plan, under all steps and `lookup`
     bool plan(const LightSummary& summary, std::string_view lookup, Plan& plan) const;
 
+    /// The frusta that plan() and update() use.
+    [[nodiscard]] MapFrustum fit(const LightSummary& summary) const;
+
     /// Draws casters from another set of meshes with the same instances (simplified casters); receivers stay.
     void use_casters(GpuScene& gpu_scene) noexcept { caster_scene_ = &gpu_scene; }
 

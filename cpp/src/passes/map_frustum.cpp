@@ -106,6 +106,7 @@ void pad(Extent& extent, const MapFrustumOptions& options) {
 void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, const Extent& extent,
                            MapFace& face) {
     double nearest_caster = kInfinity;
+    face.farthest_m = extent.farthest;
     for (std::uint32_t i = 0; i < summary.casters.size(); ++i) {
         Extent box;
         bool outside_left = true;

@@ -18,6 +18,7 @@ struct MapFace {
     glm::dvec2 low{-1.0}, high{1.0};     ///< extent: x_ls / z_ls and y_ls / z_ls, orthographic: metres
     double near_m = 0.0;                 ///< z_ls of the window depth 1 (reversed depth)
     double far_m = 0.0;                  ///< orthographic: z_ls of the window depth 0; perspective: infinite
+    double farthest_m = 0.0;             ///< z_ls of the deepest receiver
     std::vector<std::uint32_t> casters;  ///< positions in LightSummary::casters that may fall into this face
 };
 

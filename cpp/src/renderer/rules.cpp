@@ -13,6 +13,8 @@ const std::vector<RuleInfo>& rules() {
         {"cube-face-without-receivers", "no visible receiver projects into the face of the light's cube", 0.0},
         {"every-receiver-casts",
          "every visible receiver casts, so the depth map of casters serves as that of receivers", 0.0},
+        {"penumbra-under-half-a-texel",
+         "every penumbra is narrower than half a texel of the map, and narrower ones are never drawn", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",
          "the reference's pilot rays of a pixel and its neighbours show no penumbra, so it gets the least number of "

@@ -5,6 +5,7 @@
 #include "penumbra/technique.h"
 #include "techniques/light_samples/light_samples.h"
 #include "techniques/pcf/pcf.h"
+#include "techniques/penumbra_maps/penumbra_maps.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/shadow_map/shadow_map.h"
 
@@ -27,6 +28,7 @@ const std::vector<Entry>& entries() {
     static const std::vector<Entry> table{
         entry<ShadowMap>(),
         entry<Pcf>(),
+        entry<PenumbraMaps>(),
         entry<LightSamples>(),
         entry<RayTraced>(),
     };

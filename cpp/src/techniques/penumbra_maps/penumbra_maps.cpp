@@ -1,0 +1,474 @@
+#include "techniques/penumbra_maps/penumbra_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "passes/edge_space.h"
+#include "passes/frame.h"
+#include "techniques/all_lights.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr const char* kLookup = "lookup";
+constexpr const char* kSilhouettes = "silhouettes";
+constexpr const char* kPenumbra = "penumbra map";
+constexpr const char* kInner = "inner edges";
+constexpr const char* kPack = "pack";
+
+SettingInfo choice(std::string id, std::string label, std::string help, std::vector<std::string> choices,
+                   std::vector<SettingValue> sweep = {}) {
+    return {.id = std::move(id),
+            .label = std::move(label),
+            .unit = "",
+            .help = std::move(help),
+            .default_value = choices.front(),
+            .minimum = 0,
+            .maximum = 0,
+            .choices = choices,
+            .sweep = std::move(sweep)};
+}
+
+SettingInfo number(std::string id, std::string label, std::string help, int value, int least, int most) {
+    return {.id = std::move(id),
+            .label = std::move(label),
+            .unit = "",
+            .help = std::move(help),
+            .default_value = value,
+            .minimum = static_cast<double>(least),
+            .maximum = static_cast<double>(most),
+            .choices = {},
+            .sweep = {}};
+}
+
+SettingInfo toggle(std::string id, std::string label, std::string help, bool value) {
+    return {.id = std::move(id),
+            .label = std::move(label),
+            .unit = "",
+            .help = std::move(help),
+            .default_value = value,
+            .minimum = 0,
+            .maximum = 0,
+            .choices = {},
+            .sweep = {}};
+}
+
+std::vector<SettingInfo> penumbra_settings() {
+    std::vector<SettingInfo> settings = map_settings("slope", true);
+    settings.push_back(choice("sides", "Sides",
+                              "outer: as published, V = 0 at the hard edge; both: ours, V = 1/2 there.",
+                              {"outer", "both"}));
+    settings.push_back(choice("mode", "Construction",
+                              "exact: analytic cones, affine inverse depths; literal: facets and subdivided sheets.",
+                              {"exact", "literal"}));
+    settings.push_back(choice("ramp", "Ramp",
+                              "What is linear: depth along the light ray (published), the image plane, or exact on "
+                              "tilted edges too; auto: depth, with both sides exact.",
+                              {"auto", "depth", "image", "exact"}));
+    settings.push_back(choice("falloff", "Falloff",
+                              "auto: smoothstep (published) for round lights, linear for others, with both sides the "
+                              "area of the light's shape.",
+                              {"auto", "smoothstep", "linear", "area"}));
+    settings.push_back(choice("shape", "Light shape",
+                              "disc of equal area (published), sphere for point and spot lights, or the light's own.",
+                              {"disc", "sphere", "light"}));
+    settings.push_back(choice("filter", "Filter", "Texels of a lookup: one, or four with a comparison each.",
+                              {"nearest", "gathered"}));
+    settings.push_back(toggle("trim_cones", "Trim cones",
+                              "Draws of each cone only the wedge between its sheets; exact mode only.", true));
+    settings.push_back(number("facets", "Facets", "Triangles of a cone; literal mode only.", 24, 3, 64));
+    settings.push_back(
+        number("sheet_parts", "Sheet parts", "Most parts of a sheet whose ends differ in depth; literal mode only.", 8,
+               1, 32));
+    settings.push_back(choice("combine", "Keep the darkest by",
+                              "Minimum blending, or depth written and tested (published); auto: the mode's own.",
+                              {"auto", "minimum", "depth_test"}));
+    settings.push_back(
+        choice("precision", "Precision", "Of the penumbra map.", {"float32", "float16", "byte"}));
+    settings.push_back(
+        toggle("packed", "Packed", "Depth and penumbra in one texture: one fetch per lookup, one more pass.", false));
+    return settings;
+}
+
+std::size_t index_of(const Settings& settings, const std::string& id, const std::vector<SettingInfo>& infos) {
+    const std::string& value = get_choice(settings, id);
+    for (const SettingInfo& info : infos) {
+        if (info.id == id) {
+            return static_cast<std::size_t>(std::find(info.choices.begin(), info.choices.end(), value) -
+                                            info.choices.begin());
+        }
+    }
+    return 0;
+}
+
+std::string number_in_words(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", value);
+    return text;
+}
+
+}  // namespace
+
+const TechniqueInfo& PenumbraMaps::description() {
+    static const TechniqueInfo info{
+        .id = "penumbra_maps",
+        .title = "Penumbra maps",
+        .paper = "WymanHansen2003",
+        .summary = "Cones and sheets from the silhouettes into a second light-space map: soft outside of the hard edge.",
+        .randomised = false,
+        .on_cpu = false,
+        .lights = all_light_kinds(),
+        .settings = penumbra_settings(),
+    };
+    return info;
+}
+
+PenumbraMaps::Options PenumbraMaps::options_from(const Settings& settings) {
+    const std::vector<SettingInfo>& infos = description().settings;
+    Options options;
+    options.literal = get_choice(settings, "mode") == "literal";
+    options.both_sides = get_choice(settings, "sides") == "both";
+    options.gather = get_choice(settings, "filter") == "gathered";
+    options.trim = get_bool(settings, "trim_cones");
+    options.packed = get_bool(settings, "packed");
+    options.facets = get_int(settings, "facets");
+    options.parts = get_int(settings, "sheet_parts");
+    options.shape = static_cast<ConeShape>(index_of(settings, "shape", infos));
+    const std::size_t ramp = index_of(settings, "ramp", infos);
+    options.ramp = ramp > 0 ? static_cast<Ramp>(ramp - 1) : options.both_sides ? Ramp::Exact : Ramp::Depth;
+    const std::size_t falloff = index_of(settings, "falloff", infos);
+    if (falloff > 0) {
+        options.falloff = static_cast<Falloff>(falloff - 1);
+    }
+    const std::size_t combine = index_of(settings, "combine", infos);
+    options.by_depth_test = combine > 0 ? combine == 2 : options.literal;
+    constexpr GLenum kFormats[] = {GL_R32F, GL_R16F, GL_R8};
+    options.format = kFormats[index_of(settings, "precision", infos)];
+    return options;
+}
+
+PenumbraMaps::PenumbraMaps(const Settings& settings)
+    : options_{options_from(settings)},
+      map_{{.size_px = get_int(settings, "map_size"),
+            .bias = map_bias_from(settings),
+            .facing_test = get_bool(settings, "facing_test"),
+            .with_receivers = true,
+            .along_light_normal = options_.shape == ConeShape::Light}},
+      silhouettes_{SilhouettePass::Options{}} {}
+
+Verdict PenumbraMaps::supports(const Light& /*light*/) const {
+    return {};
+}
+
+std::string PenumbraMaps::too_narrow(const LightSummary& summary) const {
+    if (summary.keep_everything) {
+        return {};
+    }
+    const MapFrustum frustum = map_.fit(summary);
+    double widest = 0.0;
+    for (const MapFace& face : frustum.faces) {
+        const ConeBase base = cone_base(*summary.light, options_.shape, face.ls_from_world);
+        const EdgeRange range = edge_range(face, face.orthographic ? 0.0 : base.reach);
+        double nearest = range.z_high;
+        for (const Bounds& box : summary.caster_bounds_ws) {
+            for (unsigned i = 0; i < 8; ++i) {
+                const glm::dvec3 corner{(i & 1U) != 0 ? box.high.x : box.low.x, (i & 2U) != 0 ? box.high.y : box.low.y,
+                                        (i & 4U) != 0 ? box.high.z : box.low.z};
+                nearest = std::min(nearest, (face.ls_from_world * (corner - frustum.origin_ws)).z);
+            }
+        }
+        nearest = std::max(nearest, range.z_low);
+        const double gap = face.orthographic ? range.z_high - nearest : 1.0 / nearest - range.w_far;
+        const glm::dvec2 step = (face.high - face.low) / static_cast<double>(map_.size_px());
+        widest = std::max(widest, base.reach * gap / std::min(step.x, step.y));
+    }
+    // The shaders leave out each primitive under half a texel, so that nothing would be drawn.
+    return widest < 0.49 ? "no penumbra is wider than " + number_in_words(widest) + " texels" : std::string{};
+}
+
+Plan PenumbraMaps::plan(const LightSummary& summary) const {
+    Plan plan;
+    Plan lookup_plan;
+    if (!map_.plan(summary, kLookup, plan)) {
+        return plan;
+    }
+    // The lookup comes last.
+    const Step lookup_step = plan.steps.back();
+    plan.steps.pop_back();
+    const std::string narrow = summary.has_extent ? too_narrow(summary) : std::string{};
+    std::vector<const char*> soft{kSilhouettes, kPenumbra};
+    if (options_.both_sides) {
+        soft.push_back(kInner);
+    }
+    if (options_.packed) {
+        soft.push_back(kPack);
+    }
+    for (const char* step : soft) {
+        if (!summary.has_extent) {
+            plan.leave_out(step, "light-without-extent", "the light has no extent, so its shadows are hard");
+        } else if (!narrow.empty()) {
+            plan.leave_out(step, "penumbra-under-half-a-texel", narrow);
+        } else {
+            plan.run(step);
+        }
+    }
+    plan.steps.push_back(lookup_step);
+    return plan;
+}
+
+PenumbraMaps::Falloff PenumbraMaps::falloff() const {
+    if (options_.falloff) {
+        return *options_.falloff;
+    }
+    if (options_.both_sides) {
+        return Falloff::Area;
+    }
+    return bases_.front().kind == ConeBase::Kind::Polygon ? Falloff::Linear : Falloff::Smoothstep;
+}
+
+Defines PenumbraMaps::shape_defines() const {
+    const ConeBase& base = bases_.front();
+    return {{"CONE_BASE", std::to_string(base.kind == ConeBase::Kind::Ellipse   ? 0
+                                         : base.kind == ConeBase::Kind::Polygon ? 1
+                                                                                : 2)},
+            {"LIGHT_CORNERS", std::to_string(base.corners.size())},
+            {"FALLOFF", std::to_string(static_cast<int>(falloff()))},
+            {"SIDES_BOTH", options_.both_sides ? "1" : "0"}};
+}
+
+Defines PenumbraMaps::drawing_defines() const {
+    Defines all = map_.defines();
+    const Defines shape = shape_defines();
+    all.insert(all.end(), shape.begin(), shape.end());
+    const bool area_of_polygon =
+        falloff() == Falloff::Area && bases_.front().kind == ConeBase::Kind::Polygon;
+    all.push_back({"RAMP", std::to_string(static_cast<int>(options_.ramp))});
+    all.push_back({"NEEDS_FOOT", options_.ramp == Ramp::Exact || area_of_polygon ? "1" : "0"});
+    all.push_back({"COMBINE_LESS", options_.by_depth_test ? "1" : "0"});
+    return all;
+}
+
+const Program& PenumbraMaps::lookup(Frame& frame) const {
+    if (!soft_) {
+        return map_.lookup(frame, "techniques/shadow_map/shadow_map.frag");
+    }
+    Defines more = shape_defines();
+    more.push_back({"GATHER", options_.gather ? "1" : "0"});
+    more.push_back({"PACKED", options_.packed ? "1" : "0"});
+    if (options_.both_sides) {
+        more.push_back(InnerEdges::define(5));
+    }
+    return map_.lookup(frame, "techniques/penumbra_maps/lookup.frag", more);
+}
+
+void PenumbraMaps::allocate(Frame& frame) {
+    map_.allocate(frame);
+    bases_.clear();
+    for (const MapFace& face : map_.frustum().faces) {
+        bases_.push_back(cone_base(frame.light(), options_.shape, face.ls_from_world));
+    }
+    // A polygon that one face sees edge on becomes a disc there; then all faces take it, for one program serves all.
+    if (!bases_.empty() && !std::all_of(bases_.begin(), bases_.end(), [&](const ConeBase& base) {
+            return base.kind == bases_.front().kind && base.corners.size() == bases_.front().corners.size();
+        })) {
+        for (std::size_t i = 0; i < bases_.size(); ++i) {
+            bases_[i] = cone_base(frame.light(), ConeShape::Disc, map_.frustum().faces[i].ls_from_world);
+        }
+    }
+    const int layers = static_cast<int>(bases_.size());
+    soft_ = layers > 0 && frame.plan().runs(kPenumbra);
+    if (!soft_ || (penumbra_ && penumbra_.width() == map_.size_px() && penumbra_.layers() == layers)) {
+        return;
+    }
+    const int size_px = map_.size_px();
+    targets_.clear();
+    packed_targets_.clear();
+    penumbra_ = TextureImage::make_array(options_.format, size_px, size_px, layers, "penumbra map");
+    if (options_.by_depth_test) {
+        order_ = TextureImage::make_2d(GL_DEPTH_COMPONENT32F, size_px, size_px, "penumbra map's order");
+    }
+    if (options_.packed) {
+        packed_ = TextureImage::make_array(GL_RG32F, size_px, size_px, layers, "packed map");
+    }
+    for (int layer = 0; layer < layers; ++layer) {
+        targets_.emplace_back("penumbra map");
+        targets_.back().attach_colour(0, penumbra_, layer);
+        if (options_.by_depth_test) {
+            targets_.back().attach_depth(order_);
+        }
+        if (options_.packed) {
+            packed_targets_.emplace_back("packed map");
+            packed_targets_.back().attach_colour(0, packed_, layer);
+        }
+    }
+}
+
+void PenumbraMaps::prepare(Frame& frame) {
+    if (!frame.plan().runs(kLookup)) {
+        return;
+    }
+    allocate(frame);
+    static_cast<void>(lookup(frame));
+    if (!soft_) {
+        return;
+    }
+    // Casters that only keep_everything brings in must not matter, and a disc of equal area may reach where the light's
+    // own shape does not.
+    const LightSummary& summary = frame.summary();
+    std::vector<std::uint32_t> casters;
+    for (std::size_t i = 0; i < summary.casters.size(); ++i) {
+        if (summary.caster_needed[i] != 0) {
+            casters.push_back(summary.casters[i]);
+        }
+    }
+    silhouettes_.prepare(frame, frame.gpu_scene(), frame.adjacency(), casters);
+    if (options_.both_sides) {
+        inner_.allocate(map_.size_px(), static_cast<int>(bases_.size()));
+    }
+}
+
+void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) const {
+    program.set("light_reach", base.kind == ConeBase::Kind::Ellipse ? 1.0F : static_cast<float>(base.reach));
+    if (base.kind == ConeBase::Kind::Polygon) {
+        std::vector<glm::vec4> corners, sides;
+        for (std::size_t i = 0; i < base.corners.size(); ++i) {
+            const glm::dvec2 a = base.corners[i];
+            const glm::dvec2 along = base.corners[(i + 1) % base.corners.size()] - a;
+            const glm::dvec2 normal{along.y, -along.x};
+            const double height = glm::dot(normal, a);
+            corners.emplace_back(glm::vec2{a}, 0.0F, 0.0F);
+            sides.emplace_back(glm::vec2{height > 0.0 ? -normal / height : glm::dvec2{0.0}}, 0.0F, 0.0F);
+        }
+        program.set("light_corner", std::span<const glm::vec4>{corners});
+        program.set("light_side", std::span<const glm::vec4>{sides});
+    }
+}
+
+void PenumbraMaps::set_contact(const Program& program, const MapFace& face) const {
+    // Below this the penumbra is narrower than the rounding of depths; perspective: a share of the edge's w.
+    program.set("contact", face.orthographic ? static_cast<float>(1e-6 * (face.far_m - face.near_m)) : 1e-6F);
+}
+
+void PenumbraMaps::draw_penumbra(Frame& frame) {
+    const Defines defines = drawing_defines();
+    map_.bind_space();
+    map_.receiver_texture().bind(2);
+    silhouettes_.bind(2);
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    if (options_.by_depth_test) {
+        glEnable(GL_DEPTH_TEST);
+        glDepthMask(GL_TRUE);
+        glDepthFunc(GL_LESS);
+    } else {
+        glDisable(GL_DEPTH_TEST);
+        glEnable(GL_BLEND);
+        glBlendEquation(GL_MIN);
+    }
+    ProgramLibrary& programs = frame.device().programs;
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+        const MapFace& face = map_.frustum().faces[i];
+        const ConeBase& base = bases_[i];
+        targets_[i].bind();
+        targets_[i].clear_colour(0, glm::vec4{1.0F});
+        if (options_.by_depth_test) {
+            targets_[i].clear_depth(1.0F);
+        }
+        const EdgeRange range = edge_range(face, face.orthographic ? 0.0 : base.reach);
+        const auto set_up = [&](const Program& program) {
+            set_edge_space(program, static_cast<int>(i), range, base.ip_from_unit);
+            set_shape(program, base);
+            set_contact(program, face);
+            const glm::dvec2 step = (face.high - face.low) / static_cast<double>(map_.size_px());
+            program.set("texels_per_w", static_cast<float>(base.reach / std::min(step.x, step.y)));
+            program.use();
+        };
+        if (!options_.literal) {
+            const Program& program = programs.get(
+                {"techniques/penumbra_maps/exact.vert", "techniques/penumbra_maps/exact.frag"}, defines);
+            set_up(program);
+            program.set("trim_cones", options_.trim);
+            silhouettes_.draw(frame, GL_TRIANGLES, 15);
+        } else {
+            const int facets =
+                base.kind == ConeBase::Kind::Polygon ? static_cast<int>(base.corners.size()) : options_.facets;
+            for (const bool cones : {true, false}) {
+                Defines part = defines;
+                part.push_back({"LITERAL_CONES", cones ? "1" : "0"});
+                part.push_back({"FACETS", std::to_string(facets)});
+                part.push_back({"PARTS", std::to_string(options_.parts)});
+                const Program& program = programs.get(
+                    {"techniques/penumbra_maps/literal.vert", "techniques/penumbra_maps/literal.frag"}, part);
+                set_up(program);
+                silhouettes_.draw(frame, GL_TRIANGLES, cones ? 3 * facets : 6 * options_.parts);
+            }
+        }
+    }
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+}
+
+void PenumbraMaps::pack(Frame& frame) {
+    const Program& program = frame.device().programs.get({"lib/fullscreen.vert", "techniques/penumbra_maps/pack.frag"});
+    map_.texture().bind(2);
+    penumbra_.bind(3);
+    for (std::size_t i = 0; i < packed_targets_.size(); ++i) {
+        program.set("layer", static_cast<int>(i));
+        frame.fullscreen().draw(packed_targets_[i], program);
+    }
+}
+
+void PenumbraMaps::update(Frame& frame) {
+    if (!frame.plan().runs(kLookup)) {
+        return;
+    }
+    map_.update(frame);
+    allocate(frame);
+    if (!soft_) {
+        return;
+    }
+    frame.step(kSilhouettes, [&] {
+        const Light& light = frame.light();
+        const glm::dvec4 from =
+            light.kind == LightKind::Sun ? glm::dvec4{-light.direction_ws, 0.0} : glm::dvec4{light.position_ws, 1.0};
+        silhouettes_.extract(frame, from, map_.frustum().origin_ws);
+    });
+    frame.step(kPenumbra, [&] { draw_penumbra(frame); });
+    frame.step(kInner, [&] {
+        inner_.draw(frame, silhouettes_, map_,
+                    {.fixed = 0.0,
+                     .per_w = bases_.front().kind == ConeBase::Kind::Ellipse ? 1.0 : bases_.front().reach,
+                     .ip_from_unit = bases_.front().ip_from_unit});
+    });
+    frame.step(kPack, [&] { pack(frame); });
+}
+
+void PenumbraMaps::resolve(Frame& frame) {
+    frame.step(kLookup, [&] {
+        const Program& program = lookup(frame);
+        map_.bind(program);
+        if (soft_) {
+            if (options_.packed) {
+                packed_.bind(2);
+            } else {
+                penumbra_.bind(4);
+            }
+            if (options_.both_sides) {
+                inner_.bind(5);
+                inner_.set_uniforms(program);
+                set_shape(program, bases_.front());
+                set_contact(program, map_.frustum().faces.front());
+            }
+        }
+        frame.resolve_with(program);
+    });
+}
+
+std::size_t PenumbraMaps::memory_bytes() const noexcept {
+    const auto of = [](const TextureImage& texture) { return texture ? texture.bytes() : 0; };
+    return map_.bytes() + silhouettes_.bytes() + inner_.bytes() + of(penumbra_) + of(packed_) + of(order_);
+}
+
+}  // namespace penumbra
