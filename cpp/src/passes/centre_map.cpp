@@ -33,17 +33,19 @@ std::vector<std::uint32_t> casters_and_receivers(const LightSummary& summary, co
 bool CentreMap::needs_receiver_map(const LightSummary& summary) const noexcept {
     // A receiver that cannot cast onto any other (a floor) is left out of the casters.
     const auto casts = [&](std::uint32_t receiver) {
-        return std::find(summary.casters.begin(), summary.casters.end(), receiver) != summary.casters.end();
+        return std::ranges::find(summary.casters, receiver) != summary.casters.end();
     };
     // Simplified casters are not where their full meshes are seen to be, and culled ones leave no nearest surface.
-    return options_.with_receivers && (!std::all_of(summary.receivers.begin(), summary.receivers.end(), casts) ||
+    return wants_receivers(summary) && (!std::ranges::all_of(summary.receivers, casts) ||
                                        summary.receivers_not_casting > 0 || summary.keep_everything ||
                                        caster_scene_ != nullptr || options_.bias.cull() != Cull::None);
 }
 
 MapFrustum CentreMap::fit(const LightSummary& summary) const {
     const Light& light = *summary.light;
-    return fit_map_frustum(summary, light.position_ws, light.direction_ws, frustum_options_);
+    MapFrustumOptions options = frustum_options_;
+    options.keep_receivers = wants_receivers(summary);
+    return fit_map_frustum(summary, light.position_ws, light.direction_ws, options);
 }
 
 bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan& plan) const {
@@ -67,7 +69,7 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
         plan.leave_out("depth map, " + face, "cube-face-without-receivers",
                        "no visible receiver lies in this face of the light's cube");
     }
-    if (options_.with_receivers && !needs_receiver_map(summary)) {
+    if (wants_receivers(summary) && !needs_receiver_map(summary)) {
         plan.leave_out("receiver depth map", "every-receiver-casts",
                        "every visible receiver is among the casters, so their map holds it");
     }

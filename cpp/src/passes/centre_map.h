@@ -66,6 +66,10 @@ public:
 
 private:
     [[nodiscard]] bool midpoint() const noexcept { return options_.bias.mode == MapBias::Mode::Midpoint; }
+    /// Nothing grows from silhouettes where the light has no extent: then the map is the hard shadow map's own.
+    [[nodiscard]] bool wants_receivers(const LightSummary& summary) const noexcept {
+        return options_.with_receivers && summary.has_extent;
+    }
     [[nodiscard]] bool needs_receiver_map(const LightSummary& summary) const noexcept;
 
     Options options_;

@@ -104,7 +104,7 @@ void pad(Extent& extent, const MapFrustumOptions& options) {
 
 /// z of the nearest caster point that can fall into the face, or of the nearest receiver.
 void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, const Extent& extent,
-                           MapFace& face) {
+                           bool keep_receivers, MapFace& face) {
     double nearest_caster = kInfinity;
     face.farthest_m = extent.farthest;
     for (std::uint32_t i = 0; i < summary.casters.size(); ++i) {
@@ -125,7 +125,9 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
             behind = behind && p.z <= 0.0;
             box.add({p.x, p.y}, p.z);
         }
-        const bool past_receivers = box.nearest > extent.farthest && !summary.keep_everything;
+        const bool kept = summary.keep_everything ||
+                          (keep_receivers && std::ranges::binary_search(summary.receivers, summary.casters[i]));
+        const bool past_receivers = box.nearest > extent.farthest && !kept;
         if (outside_left || outside_right || outside_low || outside_high || behind || past_receivers) {
             continue;
         }
@@ -180,7 +182,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         pad(extent, options);
         face.low = extent.low;
         face.high = extent.high;
-        fit_depth_and_casters(summary, frustum.origin_ws, extent, face);
+        fit_depth_and_casters(summary, frustum.origin_ws, extent, options.keep_receivers, face);
         frustum.faces.push_back(std::move(face));
         return frustum;
     }
@@ -218,7 +220,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
             pad(extent, options);
             face.low = extent.low;
             face.high = extent.high;
-            fit_depth_and_casters(summary, frustum.origin_ws, extent, face);
+            fit_depth_and_casters(summary, frustum.origin_ws, extent, options.keep_receivers, face);
             frustum.faces.push_back(std::move(face));
             return frustum;
         }
@@ -269,7 +271,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         pad(extent[i], options);
         face.low = extent[i].low;
         face.high = extent[i].high;
-        fit_depth_and_casters(summary, frustum.origin_ws, extent[i], face);
+        fit_depth_and_casters(summary, frustum.origin_ws, extent[i], options.keep_receivers, face);
         frustum.faces.push_back(std::move(face));
     }
     return frustum;

@@ -35,6 +35,8 @@ struct MapFrustumOptions {
     /// Area lights: z along the light's normal and x along its first half axis, so that the light lies in the plane
     /// z_ls = 0 and its outline keeps its shape in the map. The fitted frustum is then off-centre.
     bool along_light_normal = false;
+    /// Casters that are visible receivers stay, even if they lie behind all visible points (a floor can by rounding).
+    bool keep_receivers = false;
 };
 
 /// Frusta that together contain every receiver of the summary, seen from `origin_ws` (a point of the light; for a
