@@ -14,8 +14,8 @@ enum class ConeShape {
     Light,   ///< the light's own outline; point, spot and sun: as Disc
 };
 
-/// The light as a shape in the plane z_ls = 0 of a map, relative to its centre: the base of every cone that hangs from a
-/// silhouette, point-reflected [WymanHansen2003; penumbra-maps 2.7]. Metres; sun: tangents.
+/// The light as a shape in the plane z_ls = 0 of a map, relative to its centre: the base of every cone that hangs from
+/// a silhouette, point-reflected [WymanHansen2003; penumbra-maps 2.7]. Metres; sun: tangents.
 struct ConeBase {
     enum class Kind { Ellipse, Polygon, Sphere };
     Kind kind = Kind::Ellipse;
@@ -27,7 +27,8 @@ struct ConeBase {
     [[nodiscard]] double support(const glm::dvec2& n) const noexcept;
 };
 
-/// @param ls_from_world rotation of the map's face; a light that does not lie in the plane z_ls = 0 is projected onto it
+/// @param ls_from_world rotation of the map's face; a light that does not lie in the plane z_ls = 0 is projected onto
+/// it
 [[nodiscard]] ConeBase cone_base(const Light& light, ConeShape shape, const glm::dmat3& ls_from_world);
 
 /// Radius of ConeShape::Disc: equal area; lines and areas without width 2/pi of the longest half axis (a disc of equal

@@ -36,9 +36,9 @@ bool CentreMap::needs_receiver_map(const LightSummary& summary) const noexcept {
         return std::ranges::find(summary.casters, receiver) != summary.casters.end();
     };
     // Simplified casters are not where their full meshes are seen to be, and culled ones leave no nearest surface.
-    return wants_receivers(summary) && (!std::ranges::all_of(summary.receivers, casts) ||
-                                       summary.receivers_not_casting > 0 || summary.keep_everything ||
-                                       caster_scene_ != nullptr || options_.bias.cull() != Cull::None);
+    return wants_receivers(summary) &&
+           (!std::ranges::all_of(summary.receivers, casts) || summary.receivers_not_casting > 0 ||
+            summary.keep_everything || caster_scene_ != nullptr || options_.bias.cull() != Cull::None);
 }
 
 MapFrustum CentreMap::fit(const LightSummary& summary) const {

@@ -144,7 +144,10 @@ TEST_P(EveryTechnique, ScaleTranslationAndRotationDoNotChangeTheImage) {
     // Scale and place change coordinates by float32 rounding only: a comparison flips where an edge falls within
     // rounding of a sample, once per map or ray, so N of them may flip in N places.
     const bool many = GetParam().technique == "light_samples" || GetParam().technique == "ray_traced";
-    const double flips = many ? 0.01 : 0.004;
+    // Where the rim of a spot's cone falls is a matter of rounding, and the fitted map moves by a pixel with it; what
+    // is kept per texel then changes by its slope over a texel.
+    const bool per_texel = GetParam().technique == "penumbra_maps" && GetParam().kind == LightKind::Spot;
+    const double flips = many ? 0.01 : (per_texel ? 0.03 : 0.004);
     // A turn about odd axes turns the maps' axes, so all texels fall elsewhere: pixels within a texel of an edge may
     // change. Round lights are sampled in a frame that hangs on world axes, so there noise changes as well.
     const bool round =

@@ -110,62 +110,16 @@ TEST_F(PenumbraMapsGl, BothSidesDoNotLeakWhereCastersTouchOrOverlap) {
     };
     const auto left = scenes::place(scenes::box({-3, -3, 0.9F}, {0, 3, 1.1F}), "left");
     const auto right = scenes::place(scenes::box({0, -3, 0.9F}, {3, 3, 1.1F}), "right");
-    const auto lower_right = scenes::place(scenes::box({0, -3, 0.5F}, {3, 3, 0.7F}), "lower right");
     const auto overlapping = scenes::place(scenes::box({-0.5, -3, 0.5F}, {3, 3, 0.7F}), "overlapping");
     const auto roof = scenes::place(scenes::box({-3, -3, 1.9F}, {3, 3, 2.0F}), "roof");
     const auto cube = scenes::place(scenes::box({-0.2F, -0.2F, 0.8F}, {0.2F, 0.2F, 1.0F}), "cube under it");
-    for (const auto& casters : std::vector<std::vector<Instance>>{
-             {left, right}, {left, overlapping}, {roof, cube}, {left, right, cube}}) {
+    for (const auto& casters :
+         std::vector<std::vector<Instance>>{{left, right}, {left, overlapping}, {roof, cube}, {left, right, cube}}) {
         for (const float v :
              visibility(scene_with(casters), "penumbra_maps", {{"sides", std::string{"both"}}, {"map_size", 512}})) {
             ASSERT_LE(v, 0.01F) << casters.front().name << " and " << casters.back().name;
         }
     }
-    static_cast<void>(lower_right);
-}
-
-TEST_F(PenumbraMapsGl, DISABLED_Dump) {
-    Scene scene;
-    scene.instances.push_back(scenes::place(scenes::sheet(-20, 20, -20, 20), "ground"));
-    scene.instances.push_back(scenes::place(scenes::sphere(16, false), "ball", {0.4, 0.3, 1.2}));
-    const auto bar = scenes::box({-0.1F, -0.1F, 0.0F}, {0.1F, 0.1F, 1.5F});
-    for (int i = 0; i < 4; ++i) {
-        scene.instances.push_back(scenes::place(bar, "bar " + std::to_string(i), {-1.5 + 0.5 * i, -1.0, 0.0}));
-    }
-    scene.lights.push_back(scenes::point_light({0.3, -0.2, 4}, 0.3));
-    scene.camera = scenes::camera_from_above(3.0, 96, 72, 20.0);
-    const double a = 0.6;
-    const glm::dmat3 tilt{{1, 0, 0}, {0, std::cos(a), std::sin(a)}, {0, -std::sin(a), std::cos(a)}};
-    scene.camera.world_from_camera = glm::dmat4{tilt};
-    scene.camera.world_from_camera[3] = glm::dvec4{tilt * glm::dvec3{0, 0, 20}, 1.0};
-    const auto dump = [&](const char* name, const Scene& s, const Settings& settings, bool keep) {
-        renderer().set_scene(s);
-        const auto result = renderer().visibility(0, {"penumbra_maps", settings}, keep, control_);
-        const std::vector<float> v = result.visibility;
-        for (const Step& step : result.plan.steps) {
-            std::printf("%s: %s %d %s\n", name, step.name.c_str(), step.run, step.reason.c_str());
-        }
-        FILE* f = std::fopen((std::string{"/tmp/pm_"} + name + ".pgm").c_str(), "wb");
-        std::fprintf(f, "P5 96 72 255\n");
-        for (int y = 71; y >= 0; --y) {
-            for (int x = 0; x < 96; ++x) {
-                std::fputc(static_cast<int>(255.0F * v[static_cast<std::size_t>(y * 96 + x)]), f);
-            }
-        }
-        std::fclose(f);
-    };
-    dump("one", scene, {}, false);
-    dump("one2", scene, {}, false);
-    dump("lit", scene, {{"mode", std::string{"literal"}}}, false);
-    dump("less", scene, {{"combine", std::string{"depth_test"}}}, false);
-    dump("untrim", scene, {{"trim_cones", false}}, false);
-    dump("image", scene, {{"ramp", std::string{"image"}}}, false);
-    dump("keep", scene, {}, true);
-    dump("x2", scenes::transformed(scene, 2, glm::dmat3{1.0}, {}), {}, false);
-    dump("scaled", scenes::transformed(scene, 1e4, glm::dmat3{1.0}, {}), {}, false);
-    dump("both", scene, {{"sides", std::string{"both"}}}, false);
-    dump("literal", scene, {{"mode", std::string{"literal"}}}, false);
-    dump("truth", scene, {{"mode", std::string{"literal"}}}, false);
 }
 
 }  // namespace

@@ -79,14 +79,12 @@ std::vector<SettingInfo> penumbra_settings() {
     settings.push_back(toggle("trim_cones", "Trim cones",
                               "Draws of each cone only the wedge between its sheets; exact mode only.", true));
     settings.push_back(number("facets", "Facets", "Triangles of a cone; literal mode only.", 24, 3, 64));
-    settings.push_back(
-        number("sheet_parts", "Sheet parts", "Most parts of a sheet whose ends differ in depth; literal mode only.", 8,
-               1, 32));
+    settings.push_back(number("sheet_parts", "Sheet parts",
+                              "Most parts of a sheet whose ends differ in depth; literal mode only.", 8, 1, 32));
     settings.push_back(choice("combine", "Keep the darkest by",
                               "Minimum blending, or depth written and tested (published); auto: the mode's own.",
                               {"auto", "minimum", "depth_test"}));
-    settings.push_back(
-        choice("precision", "Precision", "Of the penumbra map.", {"float32", "float16", "byte"}));
+    settings.push_back(choice("precision", "Precision", "Of the penumbra map.", {"float32", "float16", "byte"}));
     settings.push_back(
         toggle("packed", "Packed", "Depth and penumbra in one texture: one fetch per lookup, one more pass.", false));
     return settings;
@@ -116,7 +114,8 @@ const TechniqueInfo& PenumbraMaps::description() {
         .id = "penumbra_maps",
         .title = "Penumbra maps",
         .paper = "WymanHansen2003",
-        .summary = "Cones and sheets from the silhouettes into a second light-space map: soft outside of the hard edge.",
+        .summary =
+            "Cones and sheets from the silhouettes into a second light-space map: soft outside of the hard edge.",
         .randomised = false,
         .on_cpu = false,
         .lights = all_light_kinds(),
@@ -242,8 +241,7 @@ Defines PenumbraMaps::drawing_defines() const {
     Defines all = map_.defines();
     const Defines shape = shape_defines();
     all.insert(all.end(), shape.begin(), shape.end());
-    const bool area_of_polygon =
-        falloff() == Falloff::Area && bases_.front().kind == ConeBase::Kind::Polygon;
+    const bool area_of_polygon = falloff() == Falloff::Area && bases_.front().kind == ConeBase::Kind::Polygon;
     all.push_back({"RAMP", std::to_string(static_cast<int>(options_.ramp))});
     all.push_back({"NEEDS_FOOT", options_.ramp == Ramp::Exact || area_of_polygon ? "1" : "0"});
     all.push_back({"COMBINE_LESS", options_.by_depth_test ? "1" : "0"});
@@ -385,8 +383,8 @@ void PenumbraMaps::draw_penumbra(Frame& frame) {
             program.use();
         };
         if (!options_.literal) {
-            const Program& program = programs.get(
-                {"techniques/penumbra_maps/exact.vert", "techniques/penumbra_maps/exact.frag"}, defines);
+            const Program& program =
+                programs.get({"techniques/penumbra_maps/exact.vert", "techniques/penumbra_maps/exact.frag"}, defines);
             set_up(program);
             program.set("trim_cones", options_.trim);
             silhouettes_.draw(frame, GL_TRIANGLES, 15);

@@ -58,7 +58,7 @@ private:
     void pack(Frame& frame);
 
     Options options_;
-    bool soft_ = false;            ///< the plan has a penumbra
+    bool soft_ = false;  ///< the plan has a penumbra
     CentreMap map_;
     SilhouettePass silhouettes_;
     InnerEdges inner_;
