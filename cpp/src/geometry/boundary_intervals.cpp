@@ -44,7 +44,7 @@ glm::dvec2 BoundaryIntervals::from_grid(const Point& point) noexcept {
 
 int BoundaryIntervals::side(const Point& a, const Point& b, const Point& p) noexcept {
     const Wide doubled_area = cross(a, b, p);
-    return (doubled_area > 0) - (doubled_area < 0);
+    return static_cast<int>(doubled_area > 0) - static_cast<int>(doubled_area < 0);
 }
 
 // Narrows `part` of the edge from -> to (parameter 0 .. 1) to what lies on the left of the line a -> b; nothing left
@@ -113,8 +113,7 @@ bool BoundaryIntervals::set_polygon(std::span<const glm::dvec2> corners) {
         }
         points.push_back(point);
     }
-    std::sort(points.begin(), points.end(),
-              [](const Point& a, const Point& b) { return a.u != b.u ? a.u < b.u : a.v < b.v; });
+    std::ranges::sort(points, [](const Point& a, const Point& b) { return a.u != b.u ? a.u < b.u : a.v < b.v; });
     const auto extend = [this](std::size_t keep, const Point& point) {
         while (polygon_.size() >= keep + 2 && side(polygon_[polygon_.size() - 2], polygon_.back(), point) <= 0) {
             polygon_.pop_back();
@@ -214,7 +213,7 @@ bool BoundaryIntervals::cover(const Interval& hidden, Interval& rest) {
 
 void BoundaryIntervals::count_uncovered(const Point& from, const Point& to, bool reversed, const Interval& part,
                                         double& doubled_area, std::vector<BoundaryPiece>* pieces) {
-    std::sort(covered_.begin(), covered_.end(), [](const Interval& a, const Interval& b) { return a.from < b.from; });
+    std::ranges::sort(covered_, [](const Interval& a, const Interval& b) { return a.from < b.from; });
     covered_.push_back({part.to, part.to});  // closes the last gap
     const glm::dvec2 start = from_grid(from);
     const glm::dvec2 along = from_grid({to.u - from.u, to.v - from.v});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -78,7 +79,7 @@ private:
         double to;
     };
     struct Triangle {
-        Point corner[3];  // counter-clockwise
+        std::array<Point, 3> corner;  // counter-clockwise
     };
     /// How an edge lies on the line of the edge that cuts it.
     enum class Tie { None, SameDirection, OppositeDirection };

@@ -1,6 +1,7 @@
 #include "geometry/irradiance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -33,7 +34,7 @@ double cut_cone_irradiance(double a, double b, const glm::dvec3& n) {
     const double reach = std::hypot(a * n.x, b * n.y);
     const double middle = std::atan2(b * n.y, a * n.x);
     const double width = std::acos(std::clamp(-n.z / reach, -1.0, 1.0));
-    const double t[2] = {middle - width, middle + width};
+    const std::array<double, 2> t{middle - width, middle + width};
     const double a2 = a * a;
     const double b2 = b * b;
     const double big_a = 1.0 + a2;
@@ -47,8 +48,8 @@ double cut_cone_irradiance(double a, double b, const glm::dvec3& n) {
     double integral_1 = 2.0 * width;  // becomes sqrt(big_a big_b) times that of 1 / |r|^2
     double integral_cos = 0.0;        // of cos t / |r|^2; small: of cos t (1 - 1 / |r|^2)
     double integral_sin = 0.0;        // the same with sin t
-    glm::dvec3 end[2];
-    for (int k = 0; k < 2; ++k) {
+    std::array<glm::dvec3, 2> end{};
+    for (std::size_t k = 0; k < 2; ++k) {
         const double sign = k == 0 ? -1.0 : 1.0;
         const double s = std::sin(t[k]);
         const double c = std::cos(t[k]);
@@ -309,16 +310,14 @@ double irradiance_per_radiance(const Light& light, const glm::dvec3& p_ws, const
             if (light.kind == LightKind::Rectangle) {
                 const glm::dvec3& u = light.half_u_ws;
                 const glm::dvec3& v = light.half_v_ws;
-                const glm::dvec3 offsets[4] = {-u - v, u - v, u + v, v - u};
-                return polygon_irradiance(to, offsets, n_ws);
-            } else {
-                glm::dvec3 offsets[8];
-                const std::size_t count = std::min<std::size_t>(light.corners_ws.size(), 8);
-                for (std::size_t i = 0; i < count; ++i) {
-                    offsets[i] = light.corners_ws[i] - light.position_ws;
-                }
-                return polygon_irradiance(to, {offsets, count}, n_ws);
+                return polygon_irradiance(to, std::array{-u - v, u - v, u + v, v - u}, n_ws);
             }
+            std::array<glm::dvec3, 8> offsets{};
+            const std::size_t count = std::min(light.corners_ws.size(), offsets.size());
+            for (std::size_t i = 0; i < count; ++i) {
+                offsets[i] = light.corners_ws[i] - light.position_ws;
+            }
+            return polygon_irradiance(to, {offsets.data(), count}, n_ws);
     }
     return 0.0;
 }

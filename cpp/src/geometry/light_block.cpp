@@ -1,6 +1,7 @@
 #include "geometry/light_block.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/irradiance.h"
@@ -47,7 +48,7 @@ gpu::LightBlock light_block(const Light& light, const glm::dvec3& eye_ws) {
     if (form == LightForm::Polygon && light.kind == LightKind::Rectangle) {
         // Counter-clockwise seen from the side that it shines to.
         const bool turned = glm::dot(glm::cross(u, v), light.direction_ws) < 0.0;
-        const glm::dvec3 offsets[4] = {-u - v, turned ? v - u : u - v, u + v, turned ? u - v : v - u};
+        const std::array offsets{-u - v, turned ? v - u : u - v, u + v, turned ? u - v : v - u};
         for (const glm::dvec3& offset : offsets) {
             block.corner[corners++] = pack(offset, 0.0);
         }

@@ -6,11 +6,11 @@
 
 namespace penumbra::gpu {
 
-using vec4 = glm::vec4;  // as gl/glsl_types.h says, without an arrow to gl
+using glm::vec4;  // as gl/glsl_types.h says, without an arrow to gl
 
 #include "shared/light.h"
 
-static_assert(sizeof(LightBlock) == (6 + PENUMBRA_MAX_LIGHT_CORNERS) * 16, "std140: vec4 only");
+static_assert(sizeof(LightBlock) == (6 + PENUMBRA_MAX_LIGHT_CORNERS) * sizeof(vec4), "std140: vec4 only");
 
 }  // namespace penumbra::gpu
 

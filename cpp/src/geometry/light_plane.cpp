@@ -22,7 +22,7 @@ bool spans_area(const glm::dvec3& u, const glm::dvec3& v) {
 std::optional<LightPlane> polygon_plane(const Light& light, const glm::dvec3& anchor_ws) {
     const std::vector<glm::dvec3>& corners = light.corners_ws;
     // The three corners that span the largest triangle make the best frame.
-    std::size_t best[3] = {0, 0, 0};
+    std::array<std::size_t, 3> best{};
     double largest = 0.0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         for (std::size_t j = i + 1; j < corners.size(); ++j) {
@@ -30,9 +30,7 @@ std::optional<LightPlane> polygon_plane(const Light& light, const glm::dvec3& an
                 const double area = glm::length(glm::cross(corners[j] - corners[i], corners[k] - corners[i]));
                 if (area > largest) {
                     largest = area;
-                    best[0] = i;
-                    best[1] = j;
-                    best[2] = k;
+                    best = {i, j, k};
                 }
             }
         }
@@ -73,12 +71,15 @@ std::optional<LightPlane> polygon_plane(const Light& light, const glm::dvec3& an
     return plane;
 }
 
-/// Clips a convex polygon in homogeneous coordinates to dot(plane, point) >= 0.
-/// @return the new number of corners; `corners` has room for one more than before
-int clip(glm::dvec3* corners, int count, const glm::dvec3& plane, double offset) {
-    glm::dvec3 result[12];
-    int kept = 0;
-    for (int i = 0; i < count; ++i) {
+/// Room for a triangle that six planes clip.
+using Corners = std::array<glm::dvec3, 12>;
+
+/// Clips the convex polygon of the first `count` corners, in homogeneous coordinates, to dot(plane, point) >= 0.
+/// @return the new number of corners, at most one more than before
+std::size_t clip(Corners& corners, std::size_t count, const glm::dvec3& plane, double offset) {
+    Corners result;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
         const glm::dvec3& from = corners[i];
         const glm::dvec3& to = corners[(i + 1) % count];
         const double at_from = glm::dot(plane, from) + offset;
@@ -92,7 +93,7 @@ int clip(glm::dvec3* corners, int count, const glm::dvec3& plane, double offset)
                                             : to + (from - to) * (at_to / (at_to - at_from));
         }
     }
-    std::copy(result, result + kept, corners);
+    std::copy_n(result.begin(), kept, corners.begin());
     return kept;
 }
 
@@ -147,9 +148,9 @@ glm::dvec3 CentralProjection::to_homogeneous(const glm::dvec3& offset) const noe
     return glm::dvec3{glm::dot(along_u_, in_plane), glm::dot(along_v_, in_plane), w};
 }
 
-int CentralProjection::project(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                               PlaneTriangle out[7]) const {
-    glm::dvec3 corners[12] = {to_homogeneous(a), to_homogeneous(b), to_homogeneous(c)};
+std::size_t CentralProjection::project(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                                       std::array<PlaneTriangle, kMostParts>& out) const {
+    Corners corners{to_homogeneous(a), to_homogeneous(b), to_homogeneous(c)};
     const glm::dvec3 low = glm::min(corners[0], glm::min(corners[1], corners[2]));
     const glm::dvec3 high = glm::max(corners[0], glm::max(corners[1], corners[2]));
     if (!(high.z > kSlab) || !(low.z < 1.0 - kSlab)) {
@@ -164,7 +165,7 @@ int CentralProjection::project(const glm::dvec3& a, const glm::dvec3& b, const g
         all_beyond({0.0, -1.0, -1.0})) {
         return 0;
     }
-    int count = 3;
+    std::size_t count = 3;
     if (low.z < kSlab) {
         count = clip(corners, count, {0.0, 0.0, 1.0}, -kSlab);
     }
@@ -172,7 +173,7 @@ int CentralProjection::project(const glm::dvec3& a, const glm::dvec3& b, const g
         count = clip(corners, count, {0.0, 0.0, -1.0}, 1.0 - kSlab);
     }
     bool within = true;
-    for (int i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         const double reach = std::max(std::abs(corners[i].x), std::abs(corners[i].y));
         within = within && reach <= kGuard * corners[i].z;
     }
@@ -185,13 +186,13 @@ int CentralProjection::project(const glm::dvec3& a, const glm::dvec3& b, const g
     if (count < 3) {
         return 0;
     }
-    glm::dvec2 flat[12];
-    for (int i = 0; i < count; ++i) {
+    std::array<glm::dvec2, 12> flat{};
+    for (std::size_t i = 0; i < count; ++i) {
         flat[i] =
             glm::clamp(glm::dvec2{corners[i].x, corners[i].y} / corners[i].z, glm::dvec2{-kGuard}, glm::dvec2{kGuard});
     }
-    for (int i = 2; i < count; ++i) {
-        out[i - 2] = {{flat[0], flat[i - 1], flat[i]}};
+    for (std::size_t i = 2; i < count; ++i) {
+        out[i - 2].corner = {flat[0], flat[i - 1], flat[i]};
     }
     return count - 2;
 }

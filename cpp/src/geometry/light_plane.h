@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <optional>
 #include <vector>
@@ -29,7 +31,7 @@ struct LightPlane {
 
 /// A blocking triangle, projected. Clipping can turn one into several.
 struct PlaneTriangle {
-    glm::dvec2 corner[3];
+    std::array<glm::dvec2, 3> corner;
 };
 
 /// Central projection of space to the plane of a light, as seen from one receiver point.
@@ -39,6 +41,8 @@ public:
     /// Nearer to the receiver, a projected point has no digits left; at the light, its own mesh must not block it.
     /// The margin is a share of the distance in space, never a bias in the plane.
     static constexpr double kSlab = 1e-9;
+    /// What a triangle can become: six planes clip it to a polygon of at most nine corners.
+    static constexpr std::size_t kMostParts = 7;
 
     /// @param receiver_m relative to the same anchor as the plane
     CentralProjection(const LightPlane& plane, const glm::dvec3& receiver_m);
@@ -53,8 +57,9 @@ public:
     /// Projects what lies between receiver and light of the triangle a, b, c and can touch the frame's square
     /// [-1, 1]^2: clipped in homogeneous coordinates, to the slab and to a wider square, before any division.
     /// @param a, b, c relative to the receiver
-    /// @return number of triangles written to `out` (0 .. 7), coordinates within [-1.75, 1.75]
-    int project(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, PlaneTriangle out[7]) const;
+    /// @return number of triangles written to `out`, coordinates within [-1.75, 1.75]
+    std::size_t project(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                        std::array<PlaneTriangle, kMostParts>& out) const;
 
 private:
     [[nodiscard]] glm::dvec3 to_homogeneous(const glm::dvec3& offset) const noexcept;

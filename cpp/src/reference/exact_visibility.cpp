@@ -1,6 +1,7 @@
 #include "reference/exact_visibility.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,11 +18,11 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr std::int64_t kGrain = 16;  // points of one piece of work: 1 ms or so, well below the cancel interval
 
 /// True if the plane of the triangle (corners relative to the point) holds the point to within rounding.
-bool holds_origin(const glm::dvec3 corner[3], double rounding_m) {
+bool holds_origin(const std::array<glm::dvec3, 3>& corner, double rounding_m) {
     const glm::dvec3 first = corner[1] - corner[0];
     const glm::dvec3 second = corner[2] - corner[0];
     const glm::dvec3 normal = glm::cross(first, second);
-    const double nearest = std::min(glm::length(corner[0]), std::min(glm::length(corner[1]), glm::length(corner[2])));
+    const double nearest = std::min({glm::length(corner[0]), glm::length(corner[1]), glm::length(corner[2])});
     const double edges = glm::length(first) * glm::length(second);
     return std::abs(glm::dot(normal, corner[0])) <=
            glm::length(normal) * rounding_m + 64.0 * kEpsilon * edges * (nearest + std::sqrt(edges));
@@ -86,12 +87,12 @@ ExactPoint::Result ExactPoint::operator()(const glm::dvec3& position_m, const gl
     }
     projected_.clear();
     const auto collect = [&](const CastingTriangle& triangle) {
-        const glm::dvec3 corner[3] = {triangle.corner[0] - position_m, triangle.corner[1] - position_m,
-                                      triangle.corner[2] - position_m};
-        PlaneTriangle parts[7];
-        const int count = projection.project(corner[0], corner[1], corner[2], parts);
+        const std::array corner{triangle.corner[0] - position_m, triangle.corner[1] - position_m,
+                                triangle.corner[2] - position_m};
+        std::array<PlaneTriangle, CentralProjection::kMostParts> parts;
+        const std::size_t count = projection.project(corner[0], corner[1], corner[2], parts);
         if (count > 0 && !holds_origin(corner, rounding_m)) {
-            for (int i = 0; i < count; ++i) {
+            for (std::size_t i = 0; i < count; ++i) {
                 boundary_.add_triangle(parts[i].corner[0], parts[i].corner[1], parts[i].corner[2]);
                 projected_.push_back(parts[i]);
             }
@@ -161,9 +162,9 @@ ExactResult visibility_of(const Scene& scene, const Light& light, const LightPla
     const auto body = [&](std::int64_t begin, std::int64_t end) {
         ExactPoint exact{plane, light.direction_ws, casters};
         for (std::int64_t i = begin; i < end; ++i) {
-            const std::size_t at = static_cast<std::size_t>(i);
+            const auto at = static_cast<std::size_t>(i);
             const glm::dvec3 world = glm::abs(positions_ws[at]);
-            const double rounding_m = 8.0 * kEpsilon * std::max(world.x, std::max(world.y, world.z));
+            const double rounding_m = 8.0 * kEpsilon * std::max({world.x, world.y, world.z});
             const ExactPoint::Result point = exact(positions_ws[at] - anchor_ws, normals_ws[at], rounding_m);
             result.area[at] = point.area;
             result.irradiance[at] = point.irradiance;

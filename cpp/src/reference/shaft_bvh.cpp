@@ -47,7 +47,7 @@ ShaftBvh::ShaftBvh(const Scene& scene, const glm::dvec3& anchor_ws, const Bounds
                 continue;
             }
             const glm::dvec3 far = glm::max(glm::abs(box.low), glm::abs(box.high));
-            reach_m_ = std::max(reach_m_, std::max(far.x, std::max(far.y, far.z)));
+            reach_m_ = std::max({reach_m_, far.x, far.y, far.z});
             triangles_.push_back(casting);
         }
     }
@@ -58,7 +58,7 @@ ShaftBvh::ShaftBvh(const Scene& scene, const glm::dvec3& anchor_ws, const Bounds
 }
 
 std::uint32_t ShaftBvh::build(std::uint32_t first, std::uint32_t count, int depth) {
-    const std::uint32_t index = static_cast<std::uint32_t>(nodes_.size());
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
     Bounds box;
     Bounds middles;
     for (std::uint32_t i = first; i < first + count; ++i) {
@@ -71,7 +71,8 @@ std::uint32_t ShaftBvh::build(std::uint32_t first, std::uint32_t count, int dept
     const glm::dvec3 half = glm::max(box.high - centre, centre - box.low) * (1.0 + 1e-15);
     nodes_.push_back({centre, half, first, count});
     const glm::dvec3 extent = middles.high - middles.low;
-    const int axis = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2) : (extent.y >= extent.z ? 1 : 2);
+    const int wider = extent.x >= extent.y ? 0 : 1;
+    const int axis = extent[wider] >= extent.z ? wider : 2;
     if (count <= kLeaf || depth >= kMaxDepth || !(extent[axis] > 0.0)) {
         return index;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -12,7 +13,7 @@ namespace penumbra {
 
 /// A casting triangle, its corners in metres relative to the tree's anchor.
 struct CastingTriangle {
-    glm::dvec3 corner[3];
+    std::array<glm::dvec3, 3> corner;
 };
 
 /// All casting triangles of a scene in float64, in a tree of boxes that is asked for what a shaft can meet.
@@ -38,8 +39,8 @@ public:
         if (nodes_.empty()) {
             return;
         }
-        std::uint32_t stack[64];
-        int depth = 0;
+        std::array<std::uint32_t, 64> stack;
+        std::size_t depth = 0;
         stack[depth++] = 0;
         while (depth > 0) {
             const Node& node = nodes_[stack[--depth]];
