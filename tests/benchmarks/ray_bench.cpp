@@ -181,17 +181,17 @@ Captured capture(const Setup& s, int light_index, int count) {
     const LightPoints points{light, s.rays->frame()};
     const Strata strata = make_strata(count, false);
     const Tiles tiles{*s.rays, s.view};
-    std::vector<Receiver> receivers;
+    TileReceivers receivers;
     for (std::int64_t tile = 0; tile < tiles.count(); ++tile) {
         tiles.collect(mask, tile, receivers);
-        const auto total = static_cast<std::int64_t>(receivers.size()) * count;
+        const auto total = static_cast<std::int64_t>(receivers.count()) * count;
         for (std::int64_t first = 0; first < total; first += kRayLanes) {
             ReceiverLanes lanes{};
             SampleLanes samples{};
             std::array<int, kRayLanes> valid{};
             for (int i = 0; i < kRayLanes; ++i) {
                 const std::int64_t ray = std::min(first + i, total - 1);
-                const Receiver& r = receivers[static_cast<std::size_t>(ray / count)];
+                const Receiver r = receivers[static_cast<int>(ray / count)];
                 const auto sample = static_cast<int>(ray % count);
                 lanes.px[i] = r.position_an.x, lanes.py[i] = r.position_an.y, lanes.pz[i] = r.position_an.z;
                 lanes.nx[i] = r.normal.x, lanes.ny[i] = r.normal.y, lanes.nz[i] = r.normal.z;

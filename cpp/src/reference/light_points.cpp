@@ -36,7 +36,8 @@ PENUMBRA_INLINE void across(const Vec& z, Vec& t, Vec& b) noexcept {
 
 /// Unit square to unit disc, equal areas, squares of the grid stay compact [Shirley1997]. The angle is at most a
 /// quarter of a half turn, so short Taylor series are exact to float32; they vectorise where sin and cos do not.
-PENUMBRA_INLINE void concentric(float u, float v, float& x, float& y) noexcept {
+/// @returns the square of the distance from the middle
+PENUMBRA_INLINE float concentric(float u, float v, float& x, float& y) noexcept {
     const float a = 2.0F * u - 1.0F;
     const float b = 2.0F * v - 1.0F;
     const bool wide = std::abs(a) > std::abs(b);
@@ -49,6 +50,7 @@ PENUMBRA_INLINE void concentric(float u, float v, float& x, float& y) noexcept {
     const float cosine = 1.0F - t * (0.5F - t * (1.0F / 24.0F - t * (1.0F / 720.0F - t * (1.0F / 40320.0F))));
     x = r * (wide ? cosine : sine);
     y = r * (wide ? sine : cosine);
+    return r * r;
 }
 
 }  // namespace
@@ -176,26 +178,29 @@ PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, cons
                 const float d2 = dot(to_centre, to_centre);
                 const float d = std::sqrt(d2);
                 const bool inside = d2 < radius_squared_an_;
-                const float per_d = 1.0F / (d2 > 0.0F ? d : 1.0F);
-                const Vec z{to_centre.x * per_d, to_centre.y * per_d, d2 > 0.0F ? to_centre.z * per_d : 1.0F};
+                // From 1 / d^2, which need not wait for the root as everything below would have to.
+                const bool apart = d2 > std::numeric_limits<float>::min();
+                const float per_d2 = 1.0F / (apart ? d2 : 1.0F);
+                const float per_d = d * per_d2;
+                const Vec z{to_centre.x * per_d, to_centre.y * per_d, apart ? to_centre.z * per_d : 1.0F};
                 Vec t;
                 Vec b;
                 across(z, t, b);
                 float x;
                 float y;
-                concentric(samples.u[i], samples.v[i], x, y);
-                const float rho2 = x * x + y * y;
+                const float rho2 = concentric(samples.u[i], samples.v[i], x, y);
                 // k = 1 - cosine of the cone's half angle, 2 for all directions; cancels nothing for small spheres.
-                const float s = std::min(1.0F, radius_squared_an_ * per_d * per_d);
+                const float s = std::min(1.0F, radius_squared_an_ * per_d2);
                 const float k = inside ? 2.0F : s / (1.0F + std::sqrt(1.0F - s));
                 const float cosine = 1.0F - rho2 * k;
-                const float across_scale = std::sqrt(std::max(0.0F, k * (2.0F - rho2 * k)));
+                const float across_squared = std::max(0.0F, k * (2.0F - rho2 * k));  // sine^2 / rho^2
+                const float across_scale = std::sqrt(across_squared);
                 x *= across_scale;
                 y *= across_scale;
                 dx[i] = z.x * cosine + t.x * x + b.x * y;
                 dy[i] = z.y * cosine + t.y * x + b.y * y;
                 dz[i] = z.z * cosine + t.z * x + b.z * y;
-                const float half_chord = std::sqrt(std::max(0.0F, radius_squared_an_ - d2 * (x * x + y * y)));
+                const float half_chord = std::sqrt(std::max(0.0F, radius_squared_an_ - d2 * (rho2 * across_squared)));
                 end[i] = std::max(0.0F, d * cosine + (inside ? half_chord : -half_chord)) * kShareOfWay;
             }
             break;
@@ -203,8 +208,7 @@ PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, cons
             for (int i = 0; i < kRayLanes; ++i) {
                 float x;
                 float y;
-                concentric(samples.u[i], samples.v[i], x, y);
-                const float rho2 = x * x + y * y;
+                const float rho2 = concentric(samples.u[i], samples.v[i], x, y);
                 const float cosine = 1.0F - rho2 * one_minus_cosine_;
                 const float across_scale =
                     std::sqrt(std::max(0.0F, one_minus_cosine_ * (2.0F - rho2 * one_minus_cosine_)));

@@ -1,25 +1,40 @@
 #include "reference/ray_batch.h"
 
 #include <algorithm>
+#include <iterator>
+
+#include "reference/four_lanes.h"
 
 namespace penumbra {
 
+RayBatch::RayBatch(const RayScene& scene, bool streams) noexcept : scene_{scene}, streams_{streams} {
+    for (int p = 0; p < (streams ? 1 : kPackets); ++p) {
+        packets_[p] = {};
+        std::fill(std::begin(packets_[p].mask), std::end(packets_[p].mask), ~0U);
+    }
+    if (streams) {
+        for (embree::Ray& ray : rays_) {
+            ray = {};
+            ray.mask = ~0U;
+        }
+    }
+}
+
+void RayBatch::append_to_stream() noexcept {
+    const RayPacket& packet = packets_[0];
+    embree::Ray* ray = &rays_[static_cast<std::size_t>(packet_count_) * kRayLanes];
+    constexpr std::size_t kStride = sizeof(embree::Ray) / sizeof(float);
+    for (int i = 0; i < kRayLanes; i += 4, ray += 4) {
+        interleave(&packet.org_x[i], &packet.org_y[i], &packet.org_z[i], &packet.tnear[i], &ray->org_x, kStride);
+        interleave(&packet.dir_x[i], &packet.dir_y[i], &packet.dir_z[i], &packet.time[i], &ray->dir_x, kStride);
+        for (int k = 0; k < 4; ++k) {
+            ray[k].tfar = packet.tfar[i + k];
+        }
+    }
+}
+
 void RayBatch::trace() noexcept {
     if (streams_) {
-        for (int p = 0; p < packet_count_; ++p) {
-            const RayPacket& packet = packets_[p];
-            embree::Ray* ray = &rays_[p * kRayLanes];
-            for (int i = 0; i < kRayLanes; ++i, ++ray) {
-                ray->org_x = packet.org_x[i];
-                ray->org_y = packet.org_y[i];
-                ray->org_z = packet.org_z[i];
-                ray->tnear = packet.tnear[i];
-                ray->dir_x = packet.dir_x[i];
-                ray->dir_y = packet.dir_y[i];
-                ray->dir_z = packet.dir_z[i];
-                ray->tfar = packet.tfar[i];
-            }
-        }
         scene_.occluded_stream(rays_.data(), static_cast<unsigned>(count_));
         for (int i = 0; i < count_; ++i) {
             seen_[i] = rays_[i].tfar >= 0.0F ? 1U : 0U;

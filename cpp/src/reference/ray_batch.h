@@ -17,24 +17,16 @@ public:
 
     explicit RayBatch(const RayScene& scene) noexcept : RayBatch{scene, scene.has_streams()} {}
     /// @param streams  false: packets though Embree has streams (for tests)
-    RayBatch(const RayScene& scene, bool streams) noexcept : scene_{scene}, streams_{streams} {
-        for (embree::Ray& ray : rays_) {
-            ray = {};
-            ray.mask = ~0U;
-        }
-        for (RayPacket& packet : packets_) {
-            packet = {};
-            for (std::uint32_t& mask : packet.mask) {
-                mask = ~0U;
-            }
-        }
-    }
+    RayBatch(const RayScene& scene, bool streams) noexcept;
 
     /// Room for the next 16 rays; write org, dir, tnear and tfar of all lanes, then call added().
-    [[nodiscard]] RayPacket& next() noexcept { return packets_[packet_count_]; }
+    [[nodiscard]] RayPacket& next() noexcept { return packets_[streams_ ? 0 : packet_count_]; }
     /// @param lanes  how many of the packet's lanes are rays, the first ones; only the last packet before trace() may
     ///               have fewer than 16
     void added(int lanes) noexcept {
+        if (streams_) {
+            append_to_stream();
+        }
         ++packet_count_;
         count_ += lanes;
     }
@@ -47,10 +39,13 @@ public:
     [[nodiscard]] std::uint32_t seen(int i) const noexcept { return seen_[i]; }
 
 private:
+    void append_to_stream() noexcept;
+
     const RayScene& scene_;
     bool streams_;
     int packet_count_ = 0;
     int count_ = 0;
+    // One of the two is in use. Streams are filled packet by packet, so they need room for one packet only.
     alignas(64) std::array<RayPacket, kPackets> packets_;
     alignas(64) std::array<embree::Ray, kCapacity> rays_;
     alignas(64) std::array<std::uint32_t, kCapacity> seen_{};

@@ -278,12 +278,13 @@ void trace_pixels(const RayScene& rays, const View& view, const LightPoints& poi
         tiles.count(), 1,
         [&](std::int64_t begin, std::int64_t end) {
             PixelTracer tracer{rays, points, options.seed};
-            std::vector<Receiver> receivers;
+            TileReceivers receivers;
             for (std::int64_t tile = begin; tile < end; ++tile) {
                 tiles.collect(traced, tile, receivers);
                 std::uint64_t cast = 0;
-                for (const Receiver& receiver : receivers) {
+                for (int i = 0; i < receivers.count(); ++i) {
                     control.check();  // a pixel takes some 10 ms at the very most
+                    const Receiver receiver = receivers[i];
                     const int side = side_of(receiver.pixel);
                     store(receiver.pixel, side,
                           tracer.trace(receiver, view.shading_normal_ws[receiver.pixel], side, stream));

@@ -19,8 +19,9 @@ constexpr std::int64_t kVertexGrain = 16384;
 /// this factor the offsets of receivers.cpp have room; beyond it the mesh is flattened in float64 instead.
 constexpr double kLargestCondition = 4.0;
 
+/// At least 2^-100, so that float32 holds its inverse.
 double power_of_two_above(double length) noexcept {
-    return length > 0.0 ? std::exp2(std::ceil(std::log2(length))) : 1.0;
+    return length > 0.0 ? std::exp2(std::max(-100.0, std::ceil(std::log2(length)))) : 1.0;
 }
 
 double largest(const glm::dvec3& v) noexcept {

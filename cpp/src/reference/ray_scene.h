@@ -29,11 +29,14 @@ public:
     [[nodiscard]] const AnchorFrame& frame() const noexcept { return frame_; }
     /// True if nothing casts: everything is lit.
     [[nodiscard]] bool empty() const noexcept { return empty_; }
-    /// Largest coordinate of a triangle in anchor units, the measure of its float32 rounding.
-    [[nodiscard]] float coordinate_bound(std::int32_t instance, std::int32_t triangle) const noexcept {
-        const Reach& reach = reach_[static_cast<std::size_t>(instance)];
-        const auto index = static_cast<std::size_t>(triangle);
-        return index < reach.per_triangle.size() ? reach.per_triangle[index] : reach.all;
+    /// How far the vertices of one instance reach from the anchor, per coordinate and in anchor units: the measure of
+    /// their float32 rounding.
+    struct Reach {
+        float all = 0.0F;
+        std::vector<float> per_triangle;  ///< empty for meshes with several instances: `all` serves every triangle
+    };
+    [[nodiscard]] const Reach& reach(std::int32_t instance) const noexcept {
+        return reach_[static_cast<std::size_t>(instance)];
     }
     /// Triangles and instances in the acceleration structure.
     [[nodiscard]] std::size_t triangle_count() const noexcept { return triangle_count_; }
@@ -62,12 +65,6 @@ private:
         void operator()(embree::Scene* scene) const noexcept;
     };
     using ScenePtr = std::unique_ptr<embree::Scene, Release>;
-
-    /// How far the vertices of one instance reach from the anchor, per coordinate.
-    struct Reach {
-        float all = 0.0F;
-        std::vector<float> per_triangle;  ///< empty for meshes with several instances: `all` serves every triangle
-    };
 
     [[nodiscard]] ScenePtr new_scene() const;
     void commit(embree::Scene* scene, Control& control) const;

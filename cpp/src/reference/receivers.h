@@ -1,14 +1,12 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <limits>
 #include <span>
-#include <vector>
 
 #include "penumbra/view.h"
+#include "reference/four_lanes.h"
 #include "reference/ray_scene.h"
 
 namespace penumbra {
@@ -38,34 +36,39 @@ struct Receiver {
     std::uint32_t pixel;
 };
 
-/// Makes receivers of the pixels of a view.
-class ReceiverMaker {
+/// The receivers of one tile, side by side.
+class TileReceivers {
 public:
-    ReceiverMaker(const RayScene& scene, const View& view) noexcept;
-    /// The receiver of a pixel that has geometry.
-    [[nodiscard]] Receiver operator()(std::size_t pixel) const noexcept {
-        const glm::dvec3 from_eye_an = glm::dvec3(view_.position_cr[pixel]) * per_unit_;
-        const glm::vec3 position_an{eye_an_ + from_eye_an};
-        // A far camera rounds positions more coarsely than the scene's own coordinates do, and so does even float64
-        // where a tiny scene lies far from the world's origin.
-        const float size = std::max({largest(position_an), largest(glm::vec3(from_eye_an)), world_size_an_,
-                                     scene_.coordinate_bound(view_.instance[pixel], view_.triangle[pixel])});
-        return {position_an, view_.normal_ws[pixel], offset_per_size() * size, static_cast<std::uint32_t>(pixel)};
+    static constexpr int kCapacity = 256;
+
+    [[nodiscard]] int count() const noexcept { return count_; }
+    [[nodiscard]] std::uint32_t pixel(int i) const noexcept { return pixel_[i]; }
+    [[nodiscard]] Receiver operator[](int i) const noexcept {
+        return {{px_[i], py_[i], pz_[i]}, {nx_[i], ny_[i], nz_[i]}, offset_[i], pixel_[i]};
+    }
+    /// Receivers [first, first + 16) become the lanes, but for their shading normals; those beyond the last are none,
+    /// yet finite. Their pixels lie at the place returned.
+    const std::uint32_t* load(int first, ReceiverLanes& lanes) const noexcept {
+        for (int i = 0; i < kRayLanes; i += 4) {
+            store(four(&px_[first + i]), &lanes.px[i]);
+            store(four(&py_[first + i]), &lanes.py[i]);
+            store(four(&pz_[first + i]), &lanes.pz[i]);
+            store(four(&nx_[first + i]), &lanes.nx[i]);
+            store(four(&ny_[first + i]), &lanes.ny[i]);
+            store(four(&nz_[first + i]), &lanes.nz[i]);
+            store(four(&offset_[first + i]), &lanes.offset[i]);
+        }
+        return &pixel_[first];
     }
 
 private:
-    static float largest(const glm::vec3& v) noexcept {
-        return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    }
-    static constexpr float offset_per_size() noexcept {
-        return kOffsetRoundings * std::numeric_limits<float>::epsilon();
-    }
-
-    const RayScene& scene_;
-    const View& view_;
-    double per_unit_;  ///< 1 / unit of the anchor frame
-    glm::dvec3 eye_an_;
-    float world_size_an_;  ///< what float64 rounds of world coordinates, as a size that float32 would round so
+    friend class Tiles;
+    // Four pixels are written at a time, sixteen read.
+    template <class T>
+    using Lanes = std::array<T, kCapacity + kRayLanes>;
+    int count_ = 0;
+    alignas(64) Lanes<float> px_{}, py_{}, pz_{}, nx_{}, ny_{}, nz_{}, offset_{};
+    alignas(64) Lanes<std::uint32_t> pixel_{};
 };
 
 /// Pixels of a tile of 64 x 4, 4 x 4 blocks one after the other: 16 pixels in a row are neighbours, so that the rays of
@@ -75,15 +78,34 @@ class Tiles {
 public:
     static constexpr int kWidth = 64;
     static constexpr int kHeight = 4;
+    static constexpr int kBlock = 4;
+    static_assert(kWidth * kHeight == TileReceivers::kCapacity);
+
     Tiles(const RayScene& scene, const View& view) noexcept;
     [[nodiscard]] std::int64_t count() const noexcept { return static_cast<std::int64_t>(across_) * down_; }
-    /// Appends the receivers of the tile's pixels whose mask is not 0; clears `out` first.
-    void collect(std::span<const std::uint8_t> mask, std::int64_t tile, std::vector<Receiver>& out) const;
+    /// The receivers of the tile's pixels whose mask is not 0 and that have geometry.
+    void collect(std::span<const std::uint8_t> mask, std::int64_t tile, TileReceivers& out) const noexcept;
+    /// Asks for the tile's part of the View before it is needed: rows of a tile lie too far apart for the processor to
+    /// see them coming.
+    void prefetch(std::int64_t tile) const noexcept;
+    /// Sets the tile's pixels in an image of the view's size.
+    void fill(std::span<float> image, std::int64_t tile, float value) const noexcept;
 
 private:
-    ReceiverMaker make_;
+    /// Lower left pixel of a tile, and how much of it lies in the view.
+    struct Area {
+        int left, bottom, width, height;
+    };
+    [[nodiscard]] Area area(std::int64_t tile) const noexcept;
+    /// Makes receivers of positions relative to the eye in metres and of triangles' bounds, in place.
+    static void place(const glm::dvec3& eye_an, float per_unit, float world_size_an, TileReceivers& out) noexcept;
+
+    const RayScene& scene_;
     const View& view_;
     int across_, down_;
+    float per_unit_;  ///< 1 / unit of the anchor frame, a power of two
+    glm::dvec3 eye_an_;
+    float world_size_an_;  ///< what float64 rounds of world coordinates, as a size that float32 would round so
 };
 
 }  // namespace penumbra

@@ -80,14 +80,32 @@ public:
     TileTracer(const RayScene& scene, const LightPoints& points, std::uint32_t seed)
         : batch_{scene}, points_{points}, base_{sequence_base(seed, 0)} {}
 
+    /// Casts a single sample of every receiver of a tile, which lie in packets as rays want them, straight into V.
+    void trace_one(const TileReceivers& receivers, const Cells& cells, std::span<float> visibility) noexcept {
+        int done = 0;
+        for (int first = 0; first < receivers.count(); first += kRayLanes) {
+            place_samples(cells, 0, base_, receivers.load(first, lanes_), samples_);
+            points_.aim(lanes_, samples_, batch_.next());
+            batch_.added(std::min(kRayLanes, receivers.count() - first));
+            if (batch_.full() || first + kRayLanes >= receivers.count()) {
+                const int count = batch_.count();
+                batch_.trace();
+                for (int i = 0; i < count; ++i) {
+                    visibility[receivers.pixel(done + i)] = static_cast<float>(batch_.seen(i));
+                }
+                done += count;
+            }
+        }
+    }
+
     /// Adds the visible ones of the samples of `cells` of each listed receiver to `seen`.
-    void trace(std::span<const Receiver> receivers, std::span<const std::uint16_t> listed, const Cells& cells,
+    void trace(const TileReceivers& receivers, std::span<const std::uint16_t> listed, const Cells& cells,
                std::span<std::uint32_t> seen) {
         // Rays are numbered receiver by receiver, and packets are filled across receivers: no lane stays empty but in
         // the tile's last packet.
         std::size_t at = 0;
         int sample = 0;
-        whole_ = nullptr;
+        whole_ = -1;
         std::int64_t left = static_cast<std::int64_t>(listed.size()) * cells.count;
         while (left > 0) {
             const int lanes = static_cast<int>(std::min<std::int64_t>(kRayLanes, left));
@@ -95,7 +113,7 @@ public:
             for (int lane = 0; lane < lanes;) {
                 const std::uint16_t owner = listed[at];
                 const int run = std::min(lanes - lane, cells.count - sample);
-                fill(receivers[owner], owner, lane, run);
+                fill(receivers, owner, lane, run);
                 lane += run;
                 sample += run;
                 if (sample == cells.count) {
@@ -104,7 +122,7 @@ public:
                 }
             }
             if (lanes < kRayLanes) {  // idle lanes repeat a ray that is none
-                fill(receivers[listed.back()], listed.back(), lanes, kRayLanes - lanes);
+                fill(receivers, listed.back(), lanes, kRayLanes - lanes);
             }
             place_samples(cells, first_sample, base_, pixels_, samples_);
             points_.aim(lanes_, samples_, batch_.next());
@@ -117,14 +135,14 @@ public:
     }
 
 private:
-    void fill(const Receiver& receiver, std::uint16_t owner, int lane, int run) noexcept {
+    void fill(const TileReceivers& receivers, std::uint16_t owner, int lane, int run) noexcept {
         std::fill_n(&owners_[static_cast<std::size_t>(batch_.count()) + lane], run, owner);
         if (run < kRayLanes) {
-            fill_lanes(receiver, lane, lane + run);
-            whole_ = nullptr;
-        } else if (whole_ != &receiver) {  // else the lanes hold it already: many rays per pixel
-            fill_lanes(receiver, 0, kRayLanes);
-            whole_ = &receiver;
+            fill_lanes(receivers[owner], lane, lane + run);
+            whole_ = -1;
+        } else if (whole_ != owner) {  // else the lanes hold it already: many rays per pixel
+            fill_lanes(receivers[owner], 0, kRayLanes);
+            whole_ = owner;
         }
     }
 
@@ -156,7 +174,7 @@ private:
     SampleLanes samples_{};
     alignas(64) std::uint32_t pixels_[kRayLanes]{};
     std::array<std::uint16_t, RayBatch::kCapacity> owners_{};
-    const Receiver* whole_ = nullptr;  ///< the receiver that fills all lanes, if one does
+    int whole_ = -1;  ///< the receiver that fills all lanes, if one does
 };
 
 /// Pixels of a piece of parallel work: few rays per pixel make large pieces, many rays a single tile.
@@ -171,8 +189,8 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene&, const View& v
                                std::span<float> visibility, Control& control) {
     PENUMBRA_ASSERT(mask.size() == view.size() && visibility.size() == view.size());
     PENUMBRA_ASSERT(options.rays_per_pixel >= 1 && options.early_out_rays >= 1);
-    std::fill(visibility.begin(), visibility.end(), 1.0F);
     if (rays.empty() || !light.casts_shadow) {
+        std::fill(visibility.begin(), visibility.end(), 1.0F);
         return 0;
     }
     const LightPoints points{light, rays.frame()};
@@ -189,20 +207,28 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene&, const View& v
         tiles.count(), tiles_per_piece(count),
         [&](std::int64_t begin, std::int64_t end) {
             TileTracer tracer{rays, points, options.seed};
-            std::vector<Receiver> receivers;
+            TileReceivers receivers;
             std::vector<std::uint16_t> listed;
-            std::vector<std::uint32_t> seen;
-            std::vector<int> divisor;
+            std::array<std::uint32_t, TileReceivers::kCapacity> seen;
             std::uint64_t cast_here = 0;
             for (std::int64_t tile = begin; tile < end; ++tile) {
                 control.check();
+                tiles.fill(visibility, tile, 1.0F);
                 tiles.collect(mask, tile, receivers);
-                listed.resize(receivers.size());
+                tiles.prefetch(tile + 1);
+                cast_here += static_cast<std::uint64_t>(receivers.count()) * static_cast<std::uint64_t>(first_count);
+                if (count == 1) {
+                    tracer.trace_one(receivers, first, visibility);
+                    continue;
+                }
+                listed.resize(static_cast<std::size_t>(receivers.count()));
                 std::iota(listed.begin(), listed.end(), std::uint16_t{0});
-                seen.assign(receivers.size(), 0);
-                divisor.assign(receivers.size(), first_count);
+                seen.fill(0);
                 tracer.trace(receivers, listed, first, seen);
-                cast_here += listed.size() * static_cast<std::size_t>(first_count);
+                // Counts are whole and below 2^24, so these quotients are rounded once.
+                for (const std::uint16_t i : listed) {
+                    visibility[receivers.pixel(i)] = static_cast<float>(seen[i]) / static_cast<float>(first_count);
+                }
                 if (first_count < count) {
                     std::erase_if(listed, [&](std::uint16_t i) {
                         return seen[i] == 0 || seen[i] == static_cast<std::uint32_t>(first_count);
@@ -210,12 +236,8 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene&, const View& v
                     tracer.trace(receivers, listed, rest, seen);
                     cast_here += listed.size() * static_cast<std::size_t>(count - first_count);
                     for (const std::uint16_t i : listed) {
-                        divisor[i] = count;
+                        visibility[receivers.pixel(i)] = static_cast<float>(seen[i]) / static_cast<float>(count);
                     }
-                }
-                for (std::size_t i = 0; i < receivers.size(); ++i) {
-                    visibility[receivers[i].pixel] =
-                        static_cast<float>(static_cast<double>(seen[i]) / static_cast<double>(divisor[i]));
                 }
             }
             cast += cast_here;
