@@ -10,9 +10,16 @@ namespace penumbra {
 /// Both sides may call from any thread.
 class Control {
 public:
+    Control() = default;
+    /// For a piece of larger work: hears the cancel of `whole` too and keeps its progress to itself. `whole` outlives
+    /// it.
+    [[nodiscard]] static Control within(const Control& whole) noexcept { return Control{&whole}; }
+
     /// Asks the work to stop at its next check; idempotent.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
-    [[nodiscard]] bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+    [[nodiscard]] bool cancelled() const noexcept {
+        return cancelled_.load(std::memory_order_relaxed) || (whole_ != nullptr && whole_->cancelled());
+    }
 
     /// Called by the work at least ten times a second. @throws Cancelled once cancel() was called.
     void check() const {
@@ -26,6 +33,9 @@ public:
     [[nodiscard]] float progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
 
 private:
+    explicit Control(const Control* whole) noexcept : whole_{whole} {}
+
+    const Control* whole_ = nullptr;
     std::atomic<bool> cancelled_{false};
     std::atomic<float> progress_{0.0F};
 };

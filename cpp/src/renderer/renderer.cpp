@@ -336,11 +336,12 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
                                            const TimingOptions& timing, Control& control) {
     return impl_->thread_.run([&](Device& device) {
         static_cast<void>(impl_->view(device));
+        Control inner = Control::within(control);  // what a single frame has done is no progress of the measuring
         std::vector<std::unique_ptr<Impl::Run>> runs;
         std::vector<std::map<std::string, std::vector<double>>> steps(jobs.size());
         for (const Job& job : jobs) {
             control.check();
-            runs.push_back(impl_->start(device, light, job, keep_everything, control));
+            runs.push_back(impl_->start(device, light, job, keep_everything, inner));
         }
         std::vector<std::function<double()>> timed;
         for (std::size_t i = 0; i < runs.size(); ++i) {

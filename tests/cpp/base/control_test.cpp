@@ -21,6 +21,24 @@ TEST(Control, ProgressIsWhatWasReportedLast) {
     EXPECT_EQ(control.progress(), 0.25F);
 }
 
+TEST(Control, WithinLargerWorkHearsItsCancelAndKeepsProgressToItself) {
+    Control whole;
+    whole.report(0.5F);
+    Control part = Control::within(whole);
+    part.report(1.0F);
+    EXPECT_EQ(whole.progress(), 0.5F);
+    EXPECT_EQ(part.progress(), 1.0F);
+    EXPECT_NO_THROW(part.check());
+    whole.cancel();
+    EXPECT_THROW(part.check(), Cancelled);
+
+    Control other;
+    Control stopped = Control::within(other);
+    stopped.cancel();
+    EXPECT_THROW(stopped.check(), Cancelled);
+    EXPECT_NO_THROW(other.check());
+}
+
 TEST(Control, CancelledIsAnErrorOfOurs) {
     try {
         throw Cancelled{};

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -111,6 +112,29 @@ TEST_F(RendererContract, MeasuringGivesEveryTimeAndEveryStep) {
         }
     }
     EXPECT_GT(measured[1].memory_bytes, measured[0].memory_bytes) << "four maps against one";
+}
+
+TEST_F(RendererContract, ProgressOfMeasuringNeverFalls) {
+    renderer().set_scene(edge());
+    const std::vector<Job> jobs{{"ray_traced", {{"rays", 64}}}};
+    TimingOptions timing;
+    timing.max_seconds = 0.5;
+    std::atomic<bool> done{false};
+    float furthest = 0.0F;
+    float fall = 0.0F;
+    std::jthread watcher{[&] {
+        while (!done) {
+            const float progress = control_.progress();
+            fall = std::max(fall, furthest - progress);
+            furthest = std::max(furthest, progress);
+            std::this_thread::yield();
+        }
+    }};
+    static_cast<void>(renderer().measure(0, jobs, false, timing, control_));
+    done = true;
+    watcher.join();
+    EXPECT_EQ(fall, 0.0F) << "a traced frame tells its own progress, which is not that of the measuring";
+    EXPECT_EQ(control_.progress(), 1.0F);
 }
 
 TEST_F(RendererContract, IrradianceOnTheAxisOfASmallLightIsItsClosedForm) {
