@@ -1,6 +1,7 @@
 #include "geometry/silhouettes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scene/bounds.h"
@@ -215,8 +216,7 @@ FlatSilhouettes::FlatSilhouettes(const Mesh& mesh, const Adjacency& adjacency) :
         nz_.push_back(plane.z);
         d_.push_back(plane.w);
     }
-    facing_.resize(mesh.triangles.size());
-    side_facing_.resize(2 * mesh.triangles.size() + 1, 0);
+    facing_.resize(mesh.triangles.size() + 1, 0);
     const auto silent = static_cast<std::uint32_t>(2 * mesh.triangles.size());
     sides_.reserve(adjacency.edges.size());
     for (const Adjacency::Edge& edge : adjacency.edges) {
@@ -228,8 +228,8 @@ FlatSilhouettes::FlatSilhouettes(const Mesh& mesh, const Adjacency& adjacency) :
 void FlatSilhouettes::decide_facings(const glm::dvec4& light_local) {
     const glm::vec4 light{frame_.light(light_local)};
     constexpr std::size_t kBlock = 2048;
-    for (std::size_t first = 0; first < facing_.size(); first += kBlock) {
-        const std::size_t count = std::min(kBlock, facing_.size() - first);
+    for (std::size_t first = 0; first < nx_.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, nx_.size() - first);
         std::int8_t* facing = facing_.data() + first;
         if (!decide_by_planes(nx_.data() + first, ny_.data() + first, nz_.data() + first, d_.data() + first, count,
                               light, facing)) {
@@ -238,10 +238,6 @@ void FlatSilhouettes::decide_facings(const glm::dvec4& light_local) {
                     facing[i] = static_cast<std::int8_t>(facing_in(*mesh_, first + i, light_local));
                 }
             }
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            side_facing_[2 * (first + i)] = facing[i];
-            side_facing_[2 * (first + i) + 1] = static_cast<std::int8_t>(-facing[i]);
         }
     }
 }
@@ -255,23 +251,34 @@ void FlatSilhouettes::find(const glm::dvec4& light_local, bool mirrored, EdgeCho
     decide_facings(light_local);
     const Outline outline{*mesh_, *adjacency_, facing_.data(), mirrored};
     if (choice == EdgeChoice::LightFacing) {
-        for (std::uint32_t t = 0; t < facing_.size(); ++t) {
+        for (std::uint32_t t = 0; t < nx_.size(); ++t) {
             outline.add_triangle_if_facing(t, out);
         }
         return;
     }
-    const std::int8_t* side_facing = side_facing_.data();
-    for (std::size_t e = 0; e < sides_.size(); ++e) {
-        // One left and one right of the edge: by far the most, and the only product that is -1.
-        if (side_facing[sides_[e].x] * side_facing[sides_[e].y] != -1) {
-            outline.add_if_silhouette(static_cast<std::uint32_t>(e), out);
+    const std::int8_t* facing = facing_.data();
+    constexpr std::size_t kBlock = 1024;
+    std::array<std::uint32_t, kBlock> kept;
+    for (std::size_t first = 0; first < sides_.size(); first += kBlock) {
+        const std::size_t end = std::min(first + kBlock, sides_.size());
+        std::size_t count = 0;
+        for (std::size_t e = first; e < end; ++e) {
+            // One left and one right of the edge, by far the most: run opposite ways and faced alike, or neither. No
+            // branch, because on rough meshes none could be foreseen.
+            const glm::uvec2 s = sides_[e];
+            const int same_way = static_cast<int>((s.x ^ s.y ^ 1U) & 1U);
+            kept[count] = static_cast<std::uint32_t>(e);
+            count += facing[s.x >> 1U] * facing[s.y >> 1U] != 1 - 2 * same_way ? 1 : 0;
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            outline.add_if_silhouette(kept[i], out);
         }
     }
 }
 
 std::size_t FlatSilhouettes::bytes() const noexcept {
     return (nx_.size() + ny_.size() + nz_.size() + d_.size()) * sizeof(float) + sides_.size() * sizeof(sides_[0]) +
-           facing_.size() + side_facing_.size();
+           facing_.size();
 }
 
 }  // namespace penumbra

@@ -80,10 +80,9 @@ private:
     const Mesh* mesh_;
     const Adjacency* adjacency_;
     FacingFrame frame_;
-    std::vector<float> nx_, ny_, nz_, d_;   ///< per triangle
-    std::vector<glm::uvec2> sides_;         ///< per edge; where it has not two triangles: the side that never votes
-    std::vector<std::int8_t> facing_;       ///< per triangle
-    std::vector<std::int8_t> side_facing_;  ///< per side: where its triangle lies; one more, 0
+    std::vector<float> nx_, ny_, nz_, d_;  ///< per triangle
+    std::vector<glm::uvec2> sides_;        ///< per edge; where it has not two triangles: the side that never votes
+    std::vector<std::int8_t> facing_;      ///< per triangle; one more that never votes
 };
 
 }  // namespace penumbra
