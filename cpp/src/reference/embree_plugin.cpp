@@ -98,10 +98,15 @@ int loaded_version(Device* device) {
 }
 
 bool native_packets(Device* device, int lanes) {
-    const RTCDeviceProperty property = lanes == 16  ? RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED
-                                       : lanes == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
-                                                    : RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED;
-    return rtcGetDeviceProperty(real(device), property) != 0;
+    const auto has = [device](RTCDeviceProperty property) { return rtcGetDeviceProperty(real(device), property) != 0; };
+    switch (lanes) {
+        case 16:
+            return has(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED);
+        case 8:
+            return has(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED);
+        default:
+            return has(RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED);
+    }
 }
 
 Status take_status(Device* device) {
@@ -171,7 +176,7 @@ struct Monitor {
     void* user;
 };
 
-bool monitor(void* pointer, double) {
+bool monitor(void* pointer, double /*done*/) {
     const auto* asked = static_cast<const Monitor*>(pointer);
     return asked->keep_going(asked->user);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -29,10 +30,12 @@ struct alignas(16) Ray {
 /// Layout of RTCRay4, RTCRay8 and RTCRay16.
 template <int Lanes>
 struct alignas(4 * Lanes) RayPacket {
-    float org_x[Lanes], org_y[Lanes], org_z[Lanes], tnear[Lanes];
-    float dir_x[Lanes], dir_y[Lanes], dir_z[Lanes], time[Lanes];
-    float tfar[Lanes];
-    std::uint32_t mask[Lanes], id[Lanes], flags[Lanes];
+    using Floats = std::array<float, Lanes>;
+    using Words = std::array<std::uint32_t, Lanes>;
+    Floats org_x, org_y, org_z, tnear;
+    Floats dir_x, dir_y, dir_z, time;
+    Floats tfar;
+    Words mask, id, flags;
 };
 
 enum class Status : int { Ok = 0, OutOfMemory = 1, UnsupportedCpu = 2, Cancelled = 3, Failed = 4 };

@@ -1,6 +1,7 @@
 #include "reference/light_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -109,7 +110,7 @@ LightPoints::LightPoints(const Light& light, const AnchorFrame& frame)
             }
             centre_an_ = in_front(frame.point(first), extent);
             fan_count_ = std::min(kMaxFan, static_cast<int>(light.corners_ws.size()) - 2);
-            double areas[kMaxFan]{};
+            std::array<double, kMaxFan> areas{};
             double total = 0.0;
             for (int i = 0; i < fan_count_; ++i) {
                 const glm::dvec3 a = frame.vector(light.corners_ws[i + 1] - first);
@@ -168,7 +169,10 @@ template <bool Weighted>
 PENUMBRA_INLINE void LightPoints::aim_lanes(const ReceiverLanes& receivers, const SampleLanes& samples, RayPacket& rays,
                                             [[maybe_unused]] float* weight) const noexcept {
     const ReceiverLanes& r = receivers;
-    alignas(64) float dx[kRayLanes], dy[kRayLanes], dz[kRayLanes], end[kRayLanes]{};
+    alignas(64) std::array<float, kRayLanes> dx;
+    alignas(64) std::array<float, kRayLanes> dy;
+    alignas(64) std::array<float, kRayLanes> dz;
+    alignas(64) std::array<float, kRayLanes> end{};
 
     switch (kind_) {
         case LightKind::Point:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 
 #include "penumbra/light.h"
@@ -10,7 +11,7 @@ namespace penumbra {
 
 /// Sample coordinates in [0, 1)^2, one pair per lane.
 struct alignas(64) SampleLanes {
-    float u[kRayLanes], v[kRayLanes];
+    std::array<float, kRayLanes> u, v;
 };
 
 /// Points on one light, seen from given receivers, such that V is the plain mean of their visibility:
@@ -64,8 +65,8 @@ private:
     float one_minus_cosine_ = 0.0F;              ///< Sun: of half its angle
     glm::vec3 tangent_{0.0F}, bitangent_{0.0F};  ///< Sun: across its axis
     int fan_count_ = 0;
-    glm::vec3 fan_a_an_[kMaxFan]{}, fan_b_an_[kMaxFan]{};    ///< edges of the fan triangles from the first corner
-    float fan_begin_[kMaxFan]{}, fan_per_share_[kMaxFan]{};  ///< where a triangle's share of u begins, 1 / its size
+    std::array<glm::vec3, kMaxFan> fan_a_an_{}, fan_b_an_{};    ///< edges of the fan triangles from the first corner
+    std::array<float, kMaxFan> fan_begin_{}, fan_per_share_{};  ///< where a triangle's share of u begins, 1 / its size
 };
 
 }  // namespace penumbra

@@ -1,7 +1,7 @@
 #include "reference/ray_batch.h"
 
 #include <algorithm>
-#include <iterator>
+#include <array>
 
 #include "reference/four_lanes.h"
 
@@ -10,7 +10,7 @@ namespace penumbra {
 RayBatch::RayBatch(const RayScene& scene, bool streams) noexcept : scene_{scene}, streams_{streams} {
     for (int p = 0; p < (streams ? 1 : kPackets); ++p) {
         packets_[p] = {};
-        std::fill(std::begin(packets_[p].mask), std::end(packets_[p].mask), ~0U);
+        packets_[p].mask.fill(~0U);
     }
     if (streams) {
         for (embree::Ray& ray : rays_) {
@@ -42,11 +42,11 @@ void RayBatch::trace() noexcept {
     } else {
         for (int p = 0; p < packet_count_; ++p) {
             const int lanes = std::min(kRayLanes, count_ - p * kRayLanes);
-            alignas(64) int valid[kRayLanes];
+            alignas(64) std::array<int, kRayLanes> valid;
             for (int i = 0; i < kRayLanes; ++i) {
                 valid[i] = i < lanes ? -1 : 0;
             }
-            scene_.occluded(valid, packets_[p]);
+            scene_.occluded(valid.data(), packets_[p]);
             for (int i = 0; i < kRayLanes; ++i) {
                 seen_[p * kRayLanes + i] = packets_[p].tfar[i] >= 0.0F ? 1U : 0U;
             }

@@ -1,6 +1,7 @@
 #include "reference/ray_reference.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -46,12 +47,13 @@ PENUMBRA_VECTOR_CLONES void place_pairs(int first, int columns, int rows, std::u
     float shift_u;
     float shift_v;
     uniform_pair(key, ~0U, shift_u, shift_v);
-    alignas(64) float column[kPairs];
-    alignas(64) float row[kPairs];
+    alignas(64) std::array<float, kPairs> column;
+    alignas(64) std::array<float, kPairs> row;
     for (int i = 0; i < kPairs; ++i) {
         const int stratum = std::min(first + i, columns * rows - 1);
+        const int whole_rows = stratum / columns;
         column[i] = static_cast<float>(stratum % columns);
-        row[i] = static_cast<float>(stratum / columns);
+        row[i] = static_cast<float>(whole_rows);
     }
     for (int i = 0; i < kRayLanes; ++i) {
         float a;
@@ -91,7 +93,7 @@ public:
         int first_of_batch = 0;
         for (int first = 0; first < strata; first += kPairs) {
             place_pairs(first, columns, strata / columns, key, samples_);
-            points_.aim(lanes_, samples_, batch_.next(), &weight_[packets * kRayLanes]);
+            points_.aim(lanes_, samples_, batch_.next(), &weight_[static_cast<std::size_t>(packets) * kRayLanes]);
             batch_.added(kRayLanes);
             ++packets;
             if (batch_.full() || first + kPairs >= strata) {
@@ -133,7 +135,7 @@ private:
     std::uint32_t seed_;
     ReceiverLanes lanes_{};
     SampleLanes samples_{};
-    alignas(64) float weight_[RayBatch::kCapacity]{};
+    alignas(64) std::array<float, RayBatch::kCapacity> weight_{};
 };
 
 /// Strata per side that keep the standard deviation of a single stratum's feature at or below `error`.
@@ -375,9 +377,8 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
     std::vector<std::uint16_t> sides = plan_sides(view, traced, differing, least, most, options.standard_error,
                                                   points.one_dimensional(), result.reached, control);
     if (options.keep_everything) {
-        const std::uint16_t highest = *std::max_element(sides.begin(), sides.end());
-        std::transform(sides.begin(), sides.end(), sides.begin(),
-                       [&](std::uint16_t side) { return side > 0 ? highest : side; });
+        const std::uint16_t highest = std::ranges::max(sides);
+        std::ranges::transform(sides, sides.begin(), [&](std::uint16_t side) { return side > 0 ? highest : side; });
     }
     std::uint64_t planned = 0;
     for (const std::uint16_t side : sides) {

@@ -1,6 +1,7 @@
 #include "reference/ray_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <unordered_map>
@@ -155,9 +156,9 @@ RayScene::RayScene(const Scene& scene, Control& control)
             const Child& child = child_of(mesh);
             const glm::mat3 axes{linear * child.unit};
             const glm::vec3 origin{linear * child.centre + offset};
-            const float matrix[12] = {axes[0].x, axes[0].y, axes[0].z, axes[1].x, axes[1].y, axes[1].z,
-                                      axes[2].x, axes[2].y, axes[2].z, origin.x,  origin.y,  origin.z};
-            table_->attach_instance(device_, top_.get(), child.scene, matrix);
+            const std::array matrix{axes[0].x, axes[0].y, axes[0].z, axes[1].x, axes[1].y, axes[1].z,
+                                    axes[2].x, axes[2].y, axes[2].z, origin.x,  origin.y,  origin.z};
+            table_->attach_instance(device_, top_.get(), child.scene, matrix.data());
             ++instanced_count_;
             // Child coordinates lie within +-1, so no vertex is farther than this.
             reach_[i].all = largest(origin) + largest(axes[0]) + largest(axes[1]) + largest(axes[2]);
@@ -165,7 +166,7 @@ RayScene::RayScene(const Scene& scene, Control& control)
             const std::vector<glm::vec3> positions_an =
                 transformed(mesh.positions_local, Affine{linear, offset}, control);
             std::vector<float> reach = reach_per_triangle(mesh, positions_an);
-            reach_[i].all = *std::max_element(reach.begin(), reach.end());
+            reach_[i].all = std::ranges::max(reach);
             if (uses[&mesh] == 1) {
                 reach_[i].per_triangle = std::move(reach);
             }

@@ -13,7 +13,7 @@ namespace {
 constexpr float kOffsetPerSize = kOffsetRoundings * std::numeric_limits<float>::epsilon();
 
 PENUMBRA_INLINE float largest(float x, float y, float z) noexcept {
-    return std::max(std::max(std::abs(x), std::abs(y)), std::abs(z));
+    return std::max({std::abs(x), std::abs(y), std::abs(z)});
 }
 
 /// Whether four pixels in a row are in the mask and have geometry.
@@ -83,7 +83,7 @@ PENUMBRA_VECTOR_CLONES void Tiles::place(const glm::dvec3& eye_an, float per_uni
         const auto pz = static_cast<float>(eye_an.z + static_cast<double>(z));
         // A far camera rounds positions more coarsely than the scene's own coordinates do, and so does even float64
         // where a tiny scene lies far from the world's origin.
-        const float size = std::max(std::max(largest(px, py, pz), largest(x, y, z)), world_size_an);
+        const float size = std::max({largest(px, py, pz), largest(x, y, z), world_size_an});
         out.offset_[i] = kOffsetPerSize * std::max(size, out.offset_[i]);
         out.px_[i] = px;
         out.py_[i] = py;

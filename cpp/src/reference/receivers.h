@@ -22,10 +22,11 @@ inline constexpr float kOffsetRoundings = 16.0F;
 
 /// Points that ask for light, one per lane, in anchor units.
 struct alignas(64) ReceiverLanes {
-    float px[kRayLanes], py[kRayLanes], pz[kRayLanes];
-    float nx[kRayLanes], ny[kRayLanes], nz[kRayLanes];  ///< unit geometric normal: which side of the surface it is
-    float sx[kRayLanes], sy[kRayLanes], sz[kRayLanes];  ///< unit shading normal: for weights only
-    float offset[kRayLanes];                            ///< how far off the surface a ray starts
+    using Floats = std::array<float, kRayLanes>;
+    Floats px, py, pz;
+    Floats nx, ny, nz;  ///< unit geometric normal: which side of the surface it is
+    Floats sx, sy, sz;  ///< unit shading normal: for weights only
+    Floats offset;      ///< how far off the surface a ray starts
 };
 
 /// One point that asks for light.

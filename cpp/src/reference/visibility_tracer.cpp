@@ -124,7 +124,7 @@ public:
             if (lanes < kRayLanes) {  // idle lanes repeat a ray that is none
                 fill(receivers, listed.back(), lanes, kRayLanes - lanes);
             }
-            place_samples(cells, first_sample, base_, pixels_, samples_);
+            place_samples(cells, first_sample, base_, pixels_.data(), samples_);
             points_.aim(lanes_, samples_, batch_.next());
             batch_.added(lanes);
             left -= lanes;
@@ -172,7 +172,7 @@ private:
     std::uint32_t base_;
     ReceiverLanes lanes_{};
     SampleLanes samples_{};
-    alignas(64) std::uint32_t pixels_[kRayLanes]{};
+    alignas(64) std::array<std::uint32_t, kRayLanes> pixels_{};
     std::array<std::uint16_t, RayBatch::kCapacity> owners_{};
     int whole_ = -1;  ///< the receiver that fills all lanes, if one does
 };
@@ -184,13 +184,13 @@ std::int64_t tiles_per_piece(int rays_per_pixel) noexcept {
 
 }  // namespace
 
-std::uint64_t trace_visibility(const RayScene& rays, const Scene&, const View& view, const Light& light,
+std::uint64_t trace_visibility(const RayScene& rays, const Scene& /*scene*/, const View& view, const Light& light,
                                std::span<const std::uint8_t> mask, const TraceOptions& options,
                                std::span<float> visibility, Control& control) {
     PENUMBRA_ASSERT(mask.size() == view.size() && visibility.size() == view.size());
     PENUMBRA_ASSERT(options.rays_per_pixel >= 1 && options.early_out_rays >= 1);
     if (rays.empty() || !light.casts_shadow) {
-        std::fill(visibility.begin(), visibility.end(), 1.0F);
+        std::ranges::fill(visibility, 1.0F);
         return 0;
     }
     const LightPoints points{light, rays.frame()};
