@@ -148,10 +148,11 @@ bool decide_by_planes(const float* nx, const float* ny, const float* nz, const f
 
 int facing_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec4& light) noexcept {
     const glm::dvec3 to_light = light.w == 0.0 ? glm::dvec3{light} : glm::dvec3{light} - a;
-    const glm::dvec3 u = b - a, v = c - a;
+    const glm::dvec3 u = b - a;
+    const glm::dvec3 v = c - a;
     const double s = glm::dot(glm::cross(u, v), to_light);
     const double band = kEdgeOn * glm::length(u) * glm::length(v) * glm::length(to_light);
-    return s > band ? 1 : s < -band ? -1 : 0;
+    return static_cast<int>(s > band) - static_cast<int>(s < -band);
 }
 
 FacingFrame::FacingFrame(const glm::dvec3& middle, double radius) noexcept : centre{middle} {
@@ -163,7 +164,8 @@ FacingFrame::FacingFrame(const glm::dvec3& middle, double radius) noexcept : cen
 }
 
 glm::dvec4 FacingFrame::plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const noexcept {
-    const glm::dvec3 u = b - a, v = c - a;
+    const glm::dvec3 u = b - a;
+    const glm::dvec3 v = c - a;
     const double lengths = glm::length(u) * glm::length(v);
     if (!(lengths > 0.0)) {
         return glm::dvec4{0.0};

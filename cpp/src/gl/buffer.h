@@ -11,6 +11,11 @@
 
 namespace penumbra {
 
+/// A place in the buffer that is bound, spelt as the pointer that OpenGL asks for.
+[[nodiscard]] inline const void* buffer_offset(std::size_t bytes) noexcept {
+    return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr): it never becomes an address
+}
+
 /// A block of GPU memory for shader storage, uniforms, vertices, indices and indirect draws alike.
 class StorageBuffer {
 public:

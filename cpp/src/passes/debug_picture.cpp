@@ -36,7 +36,7 @@ void append_right(DebugImage& image, const std::vector<glm::vec3>& tile, int wid
 std::vector<glm::vec3> read_rgb(const TextureImage& colours) {
     const auto texels = colours.read<glm::vec4>();
     std::vector<glm::vec3> rgb(texels.size());
-    std::transform(texels.begin(), texels.end(), rgb.begin(), [](const glm::vec4& texel) { return glm::vec3{texel}; });
+    std::ranges::transform(texels, rgb.begin(), [](const glm::vec4& texel) { return glm::vec3{texel}; });
     return rgb;
 }
 
@@ -47,7 +47,7 @@ glm::vec2 range_of(std::vector<float> stored) {
     if (stored.empty()) {
         return {0.0F, 1.0F};
     }
-    std::sort(stored.begin(), stored.end());
+    std::ranges::sort(stored);
     const std::size_t cut = stored.size() / 50;
     const float low = stored[cut];
     const float high = stored[stored.size() - 1 - cut];
@@ -67,7 +67,7 @@ void draw_overlay(RenderTarget& target, const std::function<void()>& draw) {
 
 }  // namespace
 
-DebugImage view_picture(Frame& frame, std::string caption, const std::function<void(RenderTarget&)>& draw) {
+DebugImage view_picture(const Frame& frame, std::string caption, const std::function<void(RenderTarget&)>& draw) {
     const TextureImage colours =
         TextureImage::make_2d(GL_RGBA32F, frame.view().width, frame.view().height, "debug picture");
     RenderTarget target{"debug picture"};
@@ -79,7 +79,7 @@ DebugImage view_picture(Frame& frame, std::string caption, const std::function<v
     return {frame.view().width, frame.view().height, read_rgb(colours), std::move(caption)};
 }
 
-DebugImage map_picture(Frame& frame, CentreMap& map, std::string caption,
+DebugImage map_picture(const Frame& frame, CentreMap& map, std::string caption,
                        const std::function<void(int face, RenderTarget&)>& draw) {
     DebugImage image;
     image.caption = std::move(caption);

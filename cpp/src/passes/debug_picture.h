@@ -17,17 +17,17 @@ class TextureImage;
 /// Pictures of a technique's inside (Technique::debug_image). Slow and for people: everything is read back.
 
 /// The camera's view in grey, lit from the eye; `draw` adds to it, blending off and no depth test.
-[[nodiscard]] DebugImage view_picture(Frame& frame, std::string caption,
+[[nodiscard]] DebugImage view_picture(const Frame& frame, std::string caption,
                                       const std::function<void(RenderTarget&)>& draw);
 
 /// The map's faces side by side, nearest surfaces brightest; `draw` adds to one face. A program that includes
 /// lib/map_space.glsl finds its block bound.
-[[nodiscard]] DebugImage map_picture(Frame& frame, CentreMap& map, std::string caption,
+[[nodiscard]] DebugImage map_picture(const Frame& frame, CentreMap& map, std::string caption,
                                      const std::function<void(int face, RenderTarget&)>& draw);
 
 /// The view that every technique with a CentreMap has.
 [[nodiscard]] DebugView depth_map_view();
-[[nodiscard]] DebugImage depth_map_picture(Frame& frame, CentreMap& map);
+[[nodiscard]] DebugImage depth_map_picture(const Frame& frame, CentreMap& map);
 
 /// One component of a float texture, its layers side by side: `low` black, `high` white, beyond them clipped;
 /// not finite: magenta. The caption gets the range.

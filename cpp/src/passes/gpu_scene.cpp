@@ -184,10 +184,7 @@ void GpuScene::draw(std::span<const std::uint32_t> instances, Cull cull) {
     const auto issue = [](GLenum front, std::size_t first, std::size_t count) {
         if (count > 0) {
             glFrontFace(front);
-            // NOLINTNEXTLINE(performance-no-int-to-ptr): with a buffer bound, OpenGL takes an offset in the pointer's
-            // place
-            glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
-                                        reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
+            glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, buffer_offset(first * sizeof(DrawCommand)),
                                         static_cast<GLsizei>(count), 0);
         }
     };

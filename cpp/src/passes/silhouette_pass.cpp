@@ -22,7 +22,7 @@ struct DrawCommand {
 };
 
 static_assert(sizeof(gpu::SilhouetteRecord) == 64);
-static_assert(sizeof(gpu::SilhouetteInstance) == 16 * PENUMBRA_INSTANCE_TEXELS);
+static_assert(sizeof(gpu::SilhouetteInstance) == sizeof(glm::vec4) * PENUMBRA_INSTANCE_TEXELS);
 static_assert(sizeof(gpu::SilhouetteJob) == 16);
 
 /// The light in an instance's recentred space.
@@ -231,8 +231,7 @@ void SilhouettePass::draw(Frame& frame, GLenum mode, int vertices_per_edge) {
     PENUMBRA_ASSERT(vertices_per_edge >= 1 && vertices_per_edge <= PENUMBRA_MAX_VERTICES_PER_EDGE);
     glBindVertexArray(no_attributes_.name());
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
-    glDrawArraysIndirect(
-        mode, reinterpret_cast<const void*>(static_cast<std::size_t>(vertices_per_edge - 1) * sizeof(DrawCommand)));
+    glDrawArraysIndirect(mode, buffer_offset(static_cast<std::size_t>(vertices_per_edge - 1) * sizeof(DrawCommand)));
     glBindVertexArray(0);
 }
 
