@@ -2,19 +2,17 @@
 
 A subcommand is one function decorated with @command; its parser lies beside it. Exit codes: 0 all was done; 1 something
 failed on the way; 2 bad usage or bad input, nothing written; 3 and 4 an error is above --warn-rmse / --fail-rmse;
-130 interrupted.
+130 interrupted (by the signal itself while a scene is read, which a shell tells as 130 too).
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
 import difflib
 import json
 import math
 import os
 import re
-import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -22,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from . import __version__, errors
+from . import __version__, errors, interrupts
 from .errors import UserError
 
 Run = Callable[[argparse.Namespace], int]
@@ -213,11 +211,12 @@ def bundled_scene(name: str) -> Path:
 
 
 def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
-    from . import compare, doctor, environment, native
-    from .files import why_not_writable
-    from .progress import Progress
-    from .records import Comparison, Failure
-    from .report import ReportWriter
+    with interrupts.held():
+        from . import compare, doctor, environment, native
+        from .files import why_not_writable
+        from .progress import Progress
+        from .records import Comparison, Failure
+        from .report import ReportWriter
 
     # Everything that can be known to be wrong is found before Blender is loaded and anything is made.
     for path in paths:
@@ -236,6 +235,7 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
         refusals: list[UserError] = []
         wanted: list[Path | None] = [*paths] or [None]  # none: the file that Blender has open
         for source in wanted:
+            progress.stage(f"{Path(source or _open_file()).stem}: reading", 0.0)
             try:
                 export = _read(core, source, arguments)
                 progress.add_work(comparer.work(len(options.lights) or len(export.lights)))
@@ -298,7 +298,7 @@ def _check_folder(folder: Path, reason: str) -> None:
 def _renderer(core: Any, device: str) -> Any:
     from .compare import core_errors
 
-    with core_errors(core):
+    with core_errors(core), interrupts.held():
         return core.Renderer(device)
 
 
@@ -308,15 +308,14 @@ def _read(core: Any, path: Path | None, arguments: argparse.Namespace) -> Any:
     from .compare import core_errors
 
     try:
-        with core_errors(core):
+        with interrupts.held():
+            scenes.import_bpy()
+        with core_errors(core), interrupts.deadly():
             if path is not None:
                 scenes.open_scene(path)
             return scenes.read(camera=arguments.camera, size=arguments.size, frame=arguments.frame)
     except scenes.SceneError as error:
         raise UserError(errors.sentence_of(error)) from error
-    finally:
-        # Blender's module brings its own idea of signals along.
-        _listen_to_interrupts()
 
 
 def _open_file() -> str:
@@ -380,9 +379,10 @@ def _render_arguments(parser: argparse.ArgumentParser) -> None:
 
 @command("render", "render a scene with one technique", _render_arguments)
 def _render(arguments: argparse.Namespace) -> int:
-    from . import compare, native, render
-    from .files import why_not_writable
-    from .progress import Progress
+    with interrupts.held():
+        from . import compare, native, render
+        from .files import why_not_writable
+        from .progress import Progress
 
     if arguments.out.suffix.lower() not in (".exr", ".png"):
         raise UserError(f'--out takes a .exr or .png file, not "{arguments.out}"')
@@ -510,12 +510,6 @@ def _say(sentence: str) -> None:
     print(f"penumbra: {sentence}", file=sys.stderr, flush=True)
 
 
-def _listen_to_interrupts() -> None:
-    if hasattr(signal, "SIGINT"):
-        with contextlib.suppress(ValueError):  # not the main thread: whoever called us listens
-            signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
 def _debugging() -> bool:
     return os.environ.get("PENUMBRA_TRACEBACK") == "1"
 
@@ -523,7 +517,7 @@ def _debugging() -> bool:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command line and returns its exit code. No traceback reaches the user unless PENUMBRA_TRACEBACK=1."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    _listen_to_interrupts()
+    interrupts.listen()
     try:
         parsed = _parser().parse_args(given)
         parsed.given = given
