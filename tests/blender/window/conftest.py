@@ -1,0 +1,79 @@
+"""Blender 4.3 with a window (tools/blender_window). On demand only: PENUMBRA_WINDOW_TESTS=1, never in CI."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+TOOL = ROOT / "tools" / "blender_window"
+KEPT = ROOT / "out" / "window"  # pictures and answers of the last run
+
+_MANIFEST = """schema_version = "1.0.0"
+id = "penumbra_trap"
+version = "1.0.0"
+name = "Penumbra trap"
+tagline = "Brings the compiled core, as the extension does"
+maintainer = "Penumbra"
+type = "add-on"
+blender_version_min = "4.2.0"
+license = ["SPDX:GPL-3.0-or-later"]
+wheels = ["./wheels/{wheel}"]
+"""
+
+
+@pytest.fixture(scope="session")
+def window() -> Callable[..., dict[str, Any]]:
+    """Runs a script of this folder in Blender's window; returns its answer and keeps what it wrote in out/window."""
+    if os.environ.get("PENUMBRA_WINDOW_TESTS") != "1" or os.environ.get("CI"):
+        pytest.skip("tests in Blender's window run on demand: tools/blender_window test")
+    told = subprocess.run([TOOL, "status"], capture_output=True, text=True)
+    if told.returncode:
+        pytest.skip(told.stdout.strip())
+
+    def run(script: str, name: str, *files: Path) -> dict[str, Any]:
+        folder = KEPT / name
+        folder.mkdir(parents=True, exist_ok=True)
+        for old in folder.iterdir():
+            old.unlink()
+        for file in files:
+            (folder / file.name).write_bytes(file.read_bytes())
+        ran = subprocess.run(
+            [TOOL, "run", Path(__file__).parent / script, folder, *(f"/out/{file.name}" for file in files)],
+            capture_output=True,
+            text=True,
+        )
+        (folder / "console.txt").write_text(ran.stdout + ran.stderr)
+        assert (folder / "answer.json").is_file(), ran.stdout + ran.stderr
+        answer: dict[str, Any] = json.loads((folder / "answer.json").read_text())
+        assert "error" not in answer, answer["error"]
+        assert ran.returncode == 0, ran.stdout + ran.stderr
+        assert not answer["background"]
+        return answer | {"folder": folder}
+
+    return run
+
+
+@pytest.fixture
+def extension(tmp_path: Path) -> Callable[[str], Path]:
+    """An extension zip around the core wheel for Blender 4.3's Python, from a folder in the repository."""
+
+    def make(wheelhouse: str) -> Path:
+        wheels = sorted((ROOT / wheelhouse).glob("penumbra_core-*-cp313-*.whl"), key=lambda path: path.stat().st_mtime)
+        if not wheels:
+            pytest.skip(f"no core wheel for CPython 3.13 in {wheelhouse}; run: tools/blender_window test")
+        path = tmp_path / "extension.zip"
+        with zipfile.ZipFile(path, "w") as file:
+            file.writestr("blender_manifest.toml", _MANIFEST.format(wheel=wheels[-1].name))
+            file.writestr("__init__.py", "def register():\n    pass\n\n\ndef unregister():\n    pass\n")
+            file.write(wheels[-1], f"wheels/{wheels[-1].name}")
+        return path
+
+    return make

@@ -1,0 +1,47 @@
+"""Runs inside Blender's window (tools/blender_window run): steps between which Blender draws, a picture of the screen,
+and an answer in JSON for the test outside.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+OUT = Path("/out")
+
+Step = Callable[[dict[str, Any]], None]
+
+
+def play(*steps: Step, pause_s: float = 1.0) -> None:
+    """Runs the steps from Blender's event loop, with time to draw before each; then ends Blender.
+
+    Every step adds to one dictionary, which becomes /out/answer.json. An exception ends the play, as `error` in there.
+    """
+    bpy.context.preferences.view.show_splash = False
+    answer: dict[str, Any] = {"blender": bpy.app.version_string, "background": bpy.app.background}
+    waiting = iter(steps)
+
+    def next_step() -> float | None:
+        try:
+            step = next(waiting, None)
+            if step is not None:
+                step(answer)
+                return pause_s
+        except Exception:
+            answer["error"] = traceback.format_exc()
+        (OUT / "answer.json").write_text(json.dumps(answer))
+        bpy.ops.wm.quit_blender()
+        return None
+
+    bpy.app.timers.register(next_step, first_interval=pause_s)
+
+
+def take_picture(name: str) -> None:
+    """What the X server shows. Blender's own screenshot operator gives a black one here."""
+    subprocess.run(["import", "-window", "root", str(OUT / name)], check=True, timeout=60)
