@@ -109,7 +109,7 @@ DebugView depth_map_view() {
     return {"depth_map", "Depth map"};
 }
 
-DebugImage depth_map_picture(Frame& frame, CentreMap& map) {
+DebugImage depth_map_picture(const Frame& frame, CentreMap& map) {
     return map_picture(frame, map, "what the light's centre sees, nearest brightest, one square per face of the map",
                        [](int, RenderTarget&) {});
 }
