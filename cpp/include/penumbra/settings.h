@@ -19,7 +19,7 @@ struct SettingInfo {
     SettingValue default_value;
     double minimum = 0.0;              ///< int and double only, inclusive
     double maximum = 0.0;              ///< int and double only, inclusive
-    std::vector<std::string> choices;  ///< string only: the allowed values
+    std::vector<std::string> choices;  ///< string only: the allowed values; empty: any text (a name)
     std::vector<SettingValue> sweep;   ///< quality steps from cheap to costly; empty: not swept
 };
 

@@ -161,6 +161,8 @@ LightSummary summarise_light(const Scene& scene, const View& view, const Light& 
                              const std::vector<Bounds>& instance_bounds_ws, bool keep_everything) {
     LightSummary summary;
     summary.light = &light;
+    summary.scene = &scene;
+    summary.view = &view;
     summary.eye_ws = view.eye_ws;
     summary.has_extent = !has_no_extent(light);
     summary.keep_everything = keep_everything;

@@ -22,6 +22,8 @@ struct ReceiverTile {
 /// What of the scene matters to one light in one view. Every plan is made from it; no GPU needed.
 struct LightSummary {
     const Light* light = nullptr;
+    const Scene* scene = nullptr;  ///< what it was made from; both live as long as the summary
+    const View* view = nullptr;
     glm::dvec3 eye_ws{0.0};
     bool has_extent = false;       ///< false: a hard shadow is the truth
     bool keep_everything = false;  ///< plans must leave nothing out

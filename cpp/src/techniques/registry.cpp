@@ -6,6 +6,7 @@
 #include "techniques/light_samples/light_samples.h"
 #include "techniques/pcf/pcf.h"
 #include "techniques/penumbra_maps/penumbra_maps.h"
+#include "techniques/plateaus/plateaus.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/shadow_map/shadow_map.h"
 
@@ -29,6 +30,7 @@ const std::vector<Entry>& entries() {
         entry<ShadowMap>(),
         entry<Pcf>(),
         entry<PenumbraMaps>(),
+        entry<Plateaus>(),
         entry<LightSamples>(),
         entry<RayTraced>(),
     };

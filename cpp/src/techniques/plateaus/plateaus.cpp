@@ -1,0 +1,636 @@
+#include "techniques/plateaus/plateaus.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "passes/frame.h"
+#include "techniques/all_lights.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr const char* kLookup = "techniques/plateaus/lookup.frag";
+constexpr const char* kNoPlane = "every visible receiver lies on a plane with a texture of its own";
+constexpr double kClipAtLight = 0.999;  ///< of the light's height: what is higher has no bounded image
+constexpr int kBorder_px = 2;
+constexpr double kNothingDarkest = 4095.0 * 4096.0 + 4095.0;  ///< lit, from the height 0 (slopes.frag)
+
+const std::vector<std::string> kFalloffs{"linear", "sine", "smoothstep", "disc", "disc_full"};
+
+SettingInfo choice(const char* id, const char* label, const char* help, const char* first,
+                   std::vector<std::string> choices, std::vector<SettingValue> sweep = {}) {
+    return {.id = id,
+            .label = label,
+            .unit = "",
+            .help = help,
+            .default_value = std::string{first},
+            .minimum = 0,
+            .maximum = 0,
+            .choices = std::move(choices),
+            .sweep = std::move(sweep)};
+}
+
+SettingInfo number(const char* id, const char* label, const char* unit, const char* help, SettingValue value,
+                   double minimum, double maximum, std::vector<SettingValue> sweep = {}) {
+    return {.id = id,
+            .label = label,
+            .unit = unit,
+            .help = help,
+            .default_value = std::move(value),
+            .minimum = minimum,
+            .maximum = maximum,
+            .choices = {},
+            .sweep = std::move(sweep)};
+}
+
+std::vector<SettingInfo> plateau_settings() {
+    std::vector<SettingInfo> settings{
+        number("size", "Texture size", "px", "Longer side of the largest plane's texture; smaller planes get less.",
+               1024, 16, 16384, {128, 256, 512, 1024, 2048}),
+        number("planes", "Planes", "", "How many planes get a texture, those that fill most pixels first.", 8, 0, 15),
+        choice("plane", "Plane", "auto: planes found in the view; or the name of the one object whose planes count.",
+               "auto", {}),
+        number("plane_tolerance", "Plane tolerance", "", "Unevenness of a plane, in radii of what is seen of the scene.",
+               1e-4, 0.0, 0.1),
+        number("smallest_plane", "Smallest plane", "", "Share of the lit pixels below which a plane gets no texture.",
+               0.01, 0.0, 1.0),
+        choice("light_shape", "Light shape",
+               "own: the light's own outline as each point of the plane sees it; disc: a disc of its area, parallel to "
+               "the plane.",
+               "own", {"own", "disc"}),
+        choice("radius_model", "Radius model",
+               "Growth of a penumbra with its caster's height h: disc R h / (H - h), linear k h, sun h tan(a) / cos(t); "
+               "auto: disc, for a sun sun.",
+               "auto", {"auto", "linear", "disc", "sun"}),
+        number("k", "Width per height", "", "Linear radius model: k of r = k h; 0: from the light's size.", 0.0, 0.0,
+               10.0),
+        choice("match", "Match",
+               "outer: the outer half of the penumbra is as wide as the truth's; width: as wide as all of it.", "outer",
+               {"outer", "width"}),
+        choice("sheet_mode", "Sheets",
+               "envelope: cones of all points of an edge; bilinear: the paper's patch; tess: the patch as triangles.",
+               "envelope", {"envelope", "bilinear", "tess"}),
+        number("cells", "Cells", "", "Tessellated sheets: cells along each side; 0: as many as 1/255 asks for.", 0, 0,
+               32),
+        choice("cones", "Cones", "analytic, or fans of triangles; fans with bilinear and tessellated sheets only.",
+               "analytic", {"analytic", "fan"}),
+        number("segments", "Segments", "", "Triangles of a fan.", 36, 12, 72),
+        choice("edges", "Edges",
+               "silhouette; facing: all edges of light-facing triangles; all: every edge, both sides.", "silhouette",
+               {"silhouette", "facing", "all"}),
+        choice("falloff", "Falloff", "Profile of a slope; disc and disc_full: exact on a straight edge.", "linear",
+               kFalloffs),
+        choice("sides", "Sides", "outer: as published; both: the inner half of the penumbra too, with exact areas.",
+               "outer", {"outer", "both"}),
+        number("dark", "Darkest", "", "V in the umbra.", 0.0, 0.0, 1.0),
+        number("smallest_radius", "Smallest radius", "texel", "Lower limit of a penumbra's width; 0: none.", 0.0, 0.0,
+               8.0),
+        number("corner_radius", "Corner radius", "", "Rectangle lights: share of the half sides that is rounded.", 0.0,
+               0.0, 1.0),
+        number("lozenge_radius", "Lozenge radius", "", "Line lights: half width over half length.", 0.02, 0.001, 1.0),
+        choice("store", "Store", "float; byte: 8 bits; depth: a 16-bit depth buffer, darkest by depth test.", "float",
+               {"float", "byte", "depth"}),
+        number("hither", "Hither", "", "Depth of the umbra, where depth is stored.", 0.0, 0.0, 0.9),
+        number("yon", "Yon", "", "Depth of full light, where depth is stored.", 1.0, 0.1, 1.0),
+        choice("off_planes", "Off planes",
+               "Receivers on no plane: narrowed by their height, projected as they are, or hard.", "narrowed",
+               {"narrowed", "projected", "hard"}),
+    };
+    for (SettingInfo& setting : map_settings("slope", true)) {
+        setting.sweep.clear();  // of the depth map, which only receivers off the planes see
+        settings.push_back(std::move(setting));
+    }
+    return settings;
+}
+
+int index_of(const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+EdgeChoice edge_choice(const std::string& name) {
+    return name == "silhouette" ? EdgeChoice::Silhouettes
+                                : (name == "facing" ? EdgeChoice::LightFacing : EdgeChoice::All);
+}
+
+/// Largest height of the casters' boxes over the plane, and the largest distance from the pass's origin.
+glm::dvec2 reach_of_casters(const LightSummary& summary, const PlanarReceiver& plane, const glm::dvec3& origin_ws) {
+    glm::dvec2 reach{0.0};
+    for (const Bounds& box : summary.caster_bounds_ws) {
+        const double up = glm::dot(box.half_size(), glm::abs(plane.normal));
+        reach.x = std::max(reach.x, plane.height(box.centre()) + up);
+        reach.y = std::max(reach.y, glm::length(box.centre() - origin_ws) + box.radius());
+    }
+    return reach;
+}
+
+}  // namespace
+
+const TechniqueInfo& Plateaus::description() {
+    static const TechniqueInfo info{
+        .id = "plateaus",
+        .title = "Plateaus",
+        .paper = "Haines2001",
+        .summary =
+            "One texture for each receiver plane: the hard shadow with slopes around it, cones and sheets grown from "
+            "the silhouettes, the darkest wins.",
+        .randomised = false,
+        .on_cpu = false,
+        .lights = all_light_kinds(),
+        .settings = plateau_settings(),
+    };
+    return info;
+}
+
+Plateaus::Plateaus(const Settings& settings)
+    : finding_{.most = get_int(settings, "planes"),
+               .tolerance_m = 0.0,
+               .least_share = get_double(settings, "smallest_plane"),
+               .only = get_choice(settings, "plane") == "auto" ? "" : get_choice(settings, "plane")},
+      shape_{.own_shape = get_choice(settings, "light_shape") == "own",
+             .linear_radius = get_choice(settings, "radius_model") == "linear",
+             .k = get_double(settings, "k"),
+             .match = get_choice(settings, "match") == "width" ? 2.0 : 1.0,
+             .corner_radius = get_double(settings, "corner_radius"),
+             .lozenge_radius = get_double(settings, "lozenge_radius"),
+             .least_radius_texels = get_double(settings, "smallest_radius")},
+      plane_tolerance_{get_double(settings, "plane_tolerance")},
+      size_px_{get_int(settings, "size")},
+      sheets_{static_cast<Sheets>(index_of({"envelope", "bilinear", "tess"}, get_choice(settings, "sheet_mode")))},
+      cells_{get_int(settings, "cells")},
+      fans_{get_choice(settings, "cones") == "fan"},
+      segments_{get_int(settings, "segments")},
+      edges_{edge_choice(get_choice(settings, "edges"))},
+      store_{static_cast<Store>(index_of({"float", "byte", "depth"}, get_choice(settings, "store")))},
+      hither_yon_{get_double(settings, "hither"), get_double(settings, "yon")},
+      falloff_{index_of(kFalloffs, get_choice(settings, "falloff"))},
+      dark_{get_double(settings, "dark")},
+      both_sides_{get_choice(settings, "sides") == "both"},
+      narrow_{get_choice(settings, "off_planes") == "narrowed"},
+      soft_off_planes_{get_choice(settings, "off_planes") != "hard"},
+      map_{{.size_px = get_int(settings, "map_size"),
+            .bias = map_bias_from(settings),
+            .facing_test = get_bool(settings, "facing_test")}},
+      silhouettes_{{.choice = edges_}} {
+    if (hither_yon_.x >= hither_yon_.y) {
+        throw InvalidSettings("plateaus.hither: " + std::to_string(hither_yon_.x) + " is not below plateaus.yon, " +
+                              std::to_string(hither_yon_.y) + "; give a smaller one");
+    }
+    const std::string& model = get_choice(settings, "radius_model");
+    if (shape_.linear_radius || model == "sun") {  // models of circles
+        shape_.own_shape = false;
+        shape_.linear_radius = true;
+    }
+    if (both_sides_) {  // exact areas stand for sheets, and need the sign that only floats have
+        sheets_ = Sheets::Envelope;
+        store_ = Store::Float;
+    }
+}
+
+Verdict Plateaus::supports(const Light& /*light*/) const {
+    return {};
+}
+
+bool Plateaus::slopes_off_planes(const Layout& layout) const noexcept {
+    return layout.map && !layout.hard && soft_off_planes_ && store_ != Store::Depth && !layout.blocks.empty();
+}
+
+Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
+    Layout layout;
+    const Light& light = *summary.light;
+    const View& view = *summary.view;
+    layout.origin_ws = summary.receivers_ws.centre();
+    PlanarReceiverOptions finding = finding_;
+    finding.tolerance_m = plane_tolerance_ * summary.receivers_ws.radius();
+    layout.receivers = find_planar_receivers(*summary.scene, view, summary.mask, finding);
+    PlanarReceivers& receivers = layout.receivers;
+
+    // Planes over which the light stands too low are left to the depth map.
+    std::vector<std::uint8_t> renumbered(receivers.planes.size() + 1, PlanarReceivers::kNone);
+    std::vector<PlanarReceiver> served;
+    for (std::size_t p = 0; p < receivers.planes.size(); ++p) {
+        if (light_serves(receivers.planes[p], light)) {
+            renumbered[p] = static_cast<std::uint8_t>(served.size());
+            served.push_back(receivers.planes[p]);
+        } else {
+            receivers.pixels_on_none += receivers.planes[p].pixels;
+        }
+    }
+    if (served.size() != receivers.planes.size()) {
+        for (std::uint8_t& p : receivers.plane_of_pixel) {
+            p = p == PlanarReceivers::kNone ? p : renumbered[p];
+        }
+        receivers.planes = std::move(served);
+    }
+
+    // Pixels off the planes look up where their light's ray goes on to: a little more of each plane for them.
+    std::vector<plateau::PlaneLight> lights;
+    for (const PlanarReceiver& plane : receivers.planes) {
+        lights.push_back(light_on(plane, light));
+    }
+    std::vector<glm::dvec2> low, high;
+    for (const PlanarReceiver& plane : receivers.planes) {
+        low.push_back(plane.low_m);
+        high.push_back(plane.high_m);
+    }
+    for (std::size_t i = 0; receivers.pixels_on_none > 0 && soft_off_planes_ && i < view.size(); ++i) {
+        if (summary.mask[i] == 0 || receivers.plane_of_pixel[i] != PlanarReceivers::kNone) {
+            continue;
+        }
+        const glm::dvec3 p_ws = view.eye_ws + glm::dvec3{view.position_cr[i]};
+        for (std::size_t p = 0; p < receivers.planes.size(); ++p) {
+            const PlanarReceiver& plane = receivers.planes[p];
+            const glm::dvec3 offset = p_ws - plane.origin_ws;
+            const glm::dvec3 at{glm::dot(offset, plane.axis_x), glm::dot(offset, plane.axis_y), plane.height(p_ws)};
+            if (at.z > 0.0 && (lights[p].w == 0.0 || at.z < kClipAtLight * lights[p].z)) {
+                const glm::dvec2 more = 0.25 * (plane.high_m - plane.low_m);
+                const glm::dvec2 s = glm::clamp(plateau::project(at, lights[p]), plane.low_m - more, plane.high_m + more);
+                low[p] = glm::min(low[p], s);
+                high[p] = glm::max(high[p], s);
+            }
+        }
+    }
+
+    double widest = 0.0;
+    for (std::size_t p = 0; p < receivers.planes.size(); ++p) {
+        const PlanarReceiver& plane = receivers.planes[p];
+        const glm::dvec2 reach = reach_of_casters(summary, plane, layout.origin_ws);
+        // Float32 roundings of the casters' own coordinates must not lift the plane's mesh off it.
+        const double least = std::max(finding.tolerance_m, 2e-6 * reach.y);
+        double largest = std::max(1.01 * reach.x, 2.0 * least);
+        if (lights[p].w != 0.0) {
+            largest = std::min(largest, kClipAtLight * lights[p].z);
+        }
+        gpu::PlateauPlane block = make_plateau_plane(plane, light, shape_, layout.origin_ws, {least, largest});
+        const double share = std::sqrt(static_cast<double>(plane.pixels) / static_cast<double>(receivers.planes[0].pixels));
+        const double size = std::max(std::min(64.0, static_cast<double>(size_px_)), std::round(size_px_ * share));
+        const glm::dvec2 extent = high[p] - low[p];
+        const double longer = std::max({extent.x, extent.y, 4.0 * least});
+        const double texel = longer / std::max(1.0, size - 2.0 * kBorder_px);
+        const glm::ivec2 size_px = glm::max(glm::ivec2{glm::ceil(extent / texel - 1e-9)}, glm::ivec2{1}) + 2 * kBorder_px;
+        const glm::dvec2 corner = low[p] - kBorder_px * texel;
+        block.window = glm::vec4{glm::vec2{corner}, static_cast<float>(texel), static_cast<float>(1.0 / texel)};
+        block.size.x = size_px.x;
+        block.size.y = size_px.y;
+        const double sigma = block.heights.z > 0.0F ? block.heights.z * largest : plateau::image_scale(largest, lights[p]);
+        const double cosine = lights[p].z / glm::length(glm::dvec3{lights[p]});
+        const double reach_m = shape_.match * std::max({disc_radius(light), glm::length(light.half_u_ws), glm::length(light.half_v_ws)});
+        widest = std::max(widest, sigma * reach_m / cosine / texel);
+        if (const double radius = disc_radius(light); radius > 0.0) {
+            block.normal.w = static_cast<float>(shape_.least_radius_texels * texel / radius);
+        }
+        layout.width_px = std::max(layout.width_px, size_px.x);
+        layout.height_px = std::max(layout.height_px, size_px.y);
+        const bool parallel = block.half_u.z == 0.0F && block.half_v.z == 0.0F && block.dual_v.w == 0.0F;
+        const PlateauLight variant = plateau_light(light, shape_);
+        layout.frames.push_back(variant.frame != PlateauLight::Frame::Ball && parallel ? PlateauLight::Frame::Parallel
+                                                                                      : variant.frame);
+        layout.blocks.push_back(block);
+    }
+    layout.widest_texels = widest;
+    layout.hard = !summary.has_extent || (shape_.k <= 0.0 && shape_.least_radius_texels <= 0.0 && widest < 0.5 &&
+                                          !layout.blocks.empty());
+    layout.map = layout.hard || receivers.pixels_on_none > 0 || summary.keep_everything;
+    return layout;
+}
+
+std::string Plateaus::step_of(const Layout& layout, std::size_t plane) const {
+    return "plateau " + std::to_string(plane + 1) + ", " + layout.receivers.planes[plane].name;
+}
+
+Plan Plateaus::plan(const LightSummary& summary) const {
+    Plan plan;
+    const LightSummary::Trivial trivial = summary.trivial();
+    if (!trivial.reason.empty()) {
+        plan.leave_out("plateaus", trivial.rule, trivial.reason);
+        plan.leave_out("lookup", trivial.rule, trivial.reason);
+        return plan;
+    }
+    const Layout layout = lay_out(summary);
+    if (layout.map) {
+        Plan map;
+        map_.plan(summary, "lookup", map);
+        map.steps.pop_back();  // the lookup itself, which comes last
+        plan = map;
+    } else {
+        plan.leave_out("depth map", "every-receiver-on-a-plane", kNoPlane);
+    }
+    if (layout.hard && !summary.keep_everything) {
+        const std::string reason = summary.has_extent
+                                       ? "no penumbra is wider than half a texel"
+                                       : "all points of the light coincide, so every penumbra has the width 0";
+        const std::string rule = summary.has_extent ? "penumbra-below-texel" : "light-without-extent";
+        plan.leave_out("silhouettes", rule, reason);
+        plan.leave_out("plateaus", rule, reason);
+    } else if (!layout.blocks.empty()) {
+        plan.run("silhouettes");
+        for (std::size_t p = 0; p < layout.blocks.size(); ++p) {
+            plan.run(step_of(layout, p));
+        }
+    }
+    plan.run("lookup");
+    return plan;
+}
+
+Defines Plateaus::defines(std::size_t plane) const {
+    return {{"GAUGE", std::to_string(static_cast<int>(light_.gauge))},
+            {"FRAME", std::to_string(static_cast<int>(layout_.frames[plane]))},
+            {"SIDES", both_sides_ ? "2" : "1"},
+            {"HEIGHTS", slopes_off_planes(layout_) ? "1" : "0"},
+            {"STORE_DEPTH", store_ == Store::Depth ? "1" : "0"}};
+}
+
+const Program& Plateaus::lookup(Frame& frame) const {
+    Defines all = layout_.map ? map_.defines() : Defines{};
+    all.insert(all.end(), {{"REST", layout_.map ? "1" : "0"},
+                           {"HARD", layout_.hard ? "1" : "0"},
+                           {"NARROW", narrow_ ? "1" : "0"},
+                           {"FALLOFF", std::to_string(falloff_)},
+                           {"GAUGE", "0"},
+                           {"FRAME", "0"},
+                           {"SIDES", both_sides_ ? "2" : "1"},
+                           {"HEIGHTS", slopes_off_planes(layout_) ? "1" : "0"},
+                           {"STORE_DEPTH", store_ == Store::Depth ? "1" : "0"}});
+    return frame.device().programs.get({"lib/fullscreen.vert", kLookup}, all);
+}
+
+void Plateaus::prepare(Frame& frame) {
+    if (!frame.plan().runs("lookup")) {
+        return;
+    }
+    layout_ = lay_out(frame.summary());
+    light_ = plateau_light(frame.light(), shape_);
+    if (layout_.map) {
+        map_.allocate(frame);
+    }
+    const View& view = frame.view();
+    plane_of_pixel_ = TextureImage::make_2d(GL_R8UI, view.width, view.height, "plane of each pixel");
+    plane_of_pixel_.upload(std::span<const std::uint8_t>{layout_.receivers.plane_of_pixel});
+    gpu::PlateauBlock block{};
+    block.origin_cr = glm::vec4{glm::vec3{layout_.origin_ws - frame.summary().eye_ws}, 0.0F};
+    block.counts.x = static_cast<int>(layout_.blocks.size());
+    std::copy(layout_.blocks.begin(), layout_.blocks.end(), block.planes);
+    block_.replace(std::span<const gpu::PlateauBlock>{&block, 1});
+    static_cast<void>(lookup(frame));
+    if (!frame.plan().runs("silhouettes")) {
+        return;
+    }
+
+    const int layers = static_cast<int>(layout_.blocks.size());
+    const int width = layout_.width_px, height = layout_.height_px;
+    const GLenum format =
+        store_ == Store::Depth ? GL_DEPTH_COMPONENT16 : (store_ == Store::Byte ? GL_R8 : GL_R32F);
+    slopes_ = TextureImage::make_array(format, width, height, layers, "plateaus");
+    umbra_ = both_sides_ ? TextureImage::make_array(GL_R8, width, height, layers, "umbrae") : TextureImage{};
+    darkest_ = slopes_off_planes(layout_)
+                   ? TextureImage::make_array(GL_R32F, width, height, layers, "heights of the darkest casters")
+                   : TextureImage{};
+    umbra_targets_.clear();
+    slope_targets_.clear();
+    for (int layer = 0; layer < layers; ++layer) {
+        RenderTarget& umbra = umbra_targets_.emplace_back("plateau's umbra");
+        RenderTarget& slopes = slope_targets_.emplace_back("plateau");
+        for (RenderTarget* target : {&umbra, &slopes}) {
+            if (store_ == Store::Depth) {
+                target->attach_depth(slopes_, layer);
+            } else {
+                target->attach_colour(0, slopes_, layer);
+            }
+        }
+        if (both_sides_) {
+            umbra.attach_colour(1, umbra_, layer);
+        }
+        if (darkest_) {
+            slopes.attach_colour(1, darkest_, layer);
+        }
+    }
+    silhouettes_.prepare(frame, frame.gpu_scene(), frame.adjacency(), frame.summary().casters);
+    const GpuScene& scene = frame.gpu_scene();
+    std::vector<std::uint32_t> first_box(std::max<std::size_t>(1, scene.instance_count()), 0);
+    std::size_t boxes = 0;
+    for (const std::uint32_t i : frame.summary().casters) {
+        first_box[i] = static_cast<std::uint32_t>(boxes);
+        boxes += scene.meshes()[scene.mesh_of_instance(i)]->positions_local.size();
+    }
+    const bool mail = edges_ != EdgeChoice::Silhouettes || fans_;
+    mailboxes_ = StorageBuffer(mail && sheets_ != Sheets::Envelope ? boxes * sizeof(std::uint32_t) : 0, "mailboxes");
+    first_box_ = StorageBuffer::from(first_box, "mailboxes of instances");
+}
+
+void Plateaus::bind_block() {
+    block_.bind_uniform(2);
+}
+
+void Plateaus::draw_umbra(Frame& frame, std::size_t plane) {
+    RenderTarget& target = umbra_targets_[plane];
+    target.bind();
+    const glm::ivec4 size = layout_.blocks[plane].size;
+    glViewport(0, 0, size.x, size.y);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 0, size.x, size.y);
+    glDisable(GL_BLEND);
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    if (store_ == Store::Depth) {
+        glEnable(GL_DEPTH_TEST);
+        glDepthMask(GL_TRUE);
+        glDepthFunc(GL_LESS);
+        target.clear_depth(1.0F);
+    } else {
+        glDisable(GL_DEPTH_TEST);
+        glDepthMask(GL_FALSE);
+        target.clear_colour(0, glm::vec4{1.0F});
+        if (both_sides_) {
+            target.clear_colour(1, glm::vec4{1.0F});
+        }
+    }
+    const Program& program =
+        frame.device().programs.get({"techniques/plateaus/umbra.vert", "techniques/plateaus/umbra.frag"},
+                                    {{"GAUGE", "0"},
+                                     {"FRAME", "0"},
+                                     {"UMBRA_COPY", both_sides_ ? "1" : "0"},
+                                     {"STORE_DEPTH", store_ == Store::Depth ? "1" : "0"}});
+    program.set("plane_index", static_cast<int>(plane));
+    if (store_ == Store::Depth) {
+        program.set("hither_yon", hither_yon_);
+    }
+    instances_.bind_storage(0);
+    bind_block();
+    program.use();
+    glEnable(GL_CLIP_DISTANCE0);
+    glEnable(GL_CLIP_DISTANCE1);
+    frame.gpu_scene().draw(frame.summary().casters, Cull::None);
+    glDisable(GL_CLIP_DISTANCE0);
+    glDisable(GL_CLIP_DISTANCE1);
+    glDisable(GL_SCISSOR_TEST);
+}
+
+void Plateaus::send_mail(Frame& frame) {
+    const std::vector<std::uint32_t> nobody(mailboxes_.bytes() / sizeof(std::uint32_t), 0xffffffffU);
+    mailboxes_.upload(std::span<const std::uint32_t>{nobody});
+    const Program& program = frame.device().programs.get(
+        {"techniques/plateaus/mailbox.vert", "techniques/plateaus/slopes.frag"},
+        {{"PART", "0"}, {"GAUGE", "0"}, {"FRAME", "0"}, {"SHEET", "0"}, {"SIDES", "1"}, {"HEIGHTS", "0"},
+         {"STORE_DEPTH", "0"}});
+    silhouettes_.bind(0);
+    mailboxes_.bind_storage(3);
+    first_box_.bind_storage(4);
+    program.use();
+    glEnable(GL_RASTERIZER_DISCARD);
+    silhouettes_.draw(frame, GL_POINTS, 1);
+    glDisable(GL_RASTERIZER_DISCARD);
+    StorageBuffer::barrier();
+}
+
+void Plateaus::draw_edges(Frame& frame, std::size_t plane, Defines more, int per_edge, int row) {
+    Defines all = defines(plane);
+    all.insert(all.end(), more.begin(), more.end());
+    all.push_back({"PER_EDGE", std::to_string(per_edge)});
+    const Program& program = frame.device().programs.get(
+        {"techniques/plateaus/slopes.vert", "techniques/plateaus/slopes.frag"}, all);
+    program.set("plane_index", static_cast<int>(plane));
+    if (row >= 0) {
+        program.set("row", row);
+    }
+    if (store_ == Store::Depth) {
+        program.set("hither_yon", hither_yon_);
+    }
+    program.use();
+    silhouettes_.draw(frame, GL_TRIANGLES, per_edge);
+}
+
+void Plateaus::draw_slopes(Frame& frame, std::size_t plane) {
+    RenderTarget& target = slope_targets_[plane];
+    target.bind();
+    const glm::ivec4 size = layout_.blocks[plane].size;
+    glViewport(0, 0, size.x, size.y);
+    if (store_ == Store::Depth) {
+        glEnable(GL_DEPTH_TEST);
+        glDepthMask(GL_TRUE);
+        glDepthFunc(GL_LESS);
+    } else {
+        glDisable(GL_DEPTH_TEST);
+        glDepthMask(GL_FALSE);
+        glEnable(GL_BLEND);
+        glBlendEquation(GL_MIN);
+        glBlendFunc(GL_ONE, GL_ONE);
+    }
+    if (darkest_) {
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(0, 0, size.x, size.y);
+        target.clear_colour(1, glm::vec4{static_cast<float>(kNothingDarkest)});
+        glDisable(GL_SCISSOR_TEST);
+    }
+    if (both_sides_) {
+        umbra_.bind(2);
+    }
+    glDisable(GL_CULL_FACE);
+    silhouettes_.bind(0);
+    bind_block();
+    const std::string segments = std::to_string(segments_);
+    const std::string cells = std::to_string(cells_ > 0 ? cells_ : 32);
+    const auto part = [&](int number, int sheet, int first) {
+        return Defines{{"PART", std::to_string(number)},
+                       {"SHEET", std::to_string(sheet)},
+                       {"FIRST_VERTEX", std::to_string(first)},
+                       {"CELLS", cells},
+                       {"CELLS_BY_RULE", cells_ > 0 ? "0" : "1"},
+                       {"SEGMENTS", segments},
+                       {"MAILBOX", number == 3 ? "1" : "0"}};
+    };
+    const bool silhouettes = edges_ == EdgeChoice::Silhouettes;
+    if (sheets_ == Sheets::Envelope) {
+        // A round light's penumbra lies in sheets and corner sectors; others need all that the light sweeps.
+        const bool tight = silhouettes && light_.gauge == PlateauLight::Gauge::Disc && !both_sides_;
+        draw_edges(frame, plane, part(tight ? 0 : 1, 0, 0), tight ? 15 : 6);
+    } else {
+        const bool fans = fans_ || !silhouettes;
+        if (sheets_ == Sheets::Bilinear) {
+            draw_edges(frame, plane, part(0, 1, 0), fans ? 6 : 15);
+        } else {
+            const int count = cells_ > 0 ? cells_ : 32;
+            for (int row = 0; row < count; ++row) {
+                draw_edges(frame, plane, part(2, 1, 0), 6 * count, row);
+            }
+            if (!fans) {
+                draw_edges(frame, plane, part(0, 1, 6), 9);
+            }
+        }
+        if (fans) {
+            mailboxes_.bind_storage(3);
+            first_box_.bind_storage(4);
+            draw_edges(frame, plane, part(3, 1, 0), 3 * segments_);
+        }
+    }
+    glDisable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+}
+
+void Plateaus::update(Frame& frame) {
+    if (!frame.plan().runs("lookup")) {
+        return;
+    }
+    if (layout_.map) {
+        map_.update(frame);
+    }
+    frame.step("silhouettes", [&] {
+        const Light& light = frame.light();
+        silhouettes_.extract(frame,
+                             light.kind == LightKind::Sun ? glm::dvec4{-light.direction_ws, 0.0}
+                                                          : glm::dvec4{light.position_ws, 1.0},
+                             layout_.origin_ws);
+        if (mailboxes_.bytes() > sizeof(std::uint32_t)) {
+            send_mail(frame);
+        }
+    });
+    if (!frame.plan().runs("silhouettes")) {
+        return;
+    }
+    const auto placed = frame.gpu_scene().relative_to(layout_.origin_ws);
+    instances_.replace(std::span<const gpu::InstanceBlock>{placed});
+    for (std::size_t p = 0; p < layout_.blocks.size(); ++p) {
+        frame.step(step_of(layout_, p), [&] {
+            draw_umbra(frame, p);
+            draw_slopes(frame, p);
+        });
+    }
+}
+
+void Plateaus::resolve(Frame& frame) {
+    frame.step("lookup", [&] {
+        const Program& program = lookup(frame);
+        if (layout_.map) {
+            map_.bind(program);
+        }
+        program.set("dark", static_cast<float>(dark_));
+        program.set("hither_yon", hither_yon_);
+        bind_block();
+        plane_of_pixel_.bind(4);
+        if (slopes_) {
+            slopes_.bind(5);
+        }
+        if (darkest_) {
+            darkest_.bind(6);
+        }
+        frame.resolve_with(program);
+    });
+}
+
+std::size_t Plateaus::memory_bytes() const noexcept {
+    std::size_t bytes = map_.bytes() + silhouettes_.bytes() + mailboxes_.bytes() + first_box_.bytes();
+    for (const TextureImage* texture : {&slopes_, &umbra_, &darkest_, &plane_of_pixel_}) {
+        bytes += *texture ? texture->bytes() : 0;
+    }
+    return bytes;
+}
+
+std::vector<DebugView> Plateaus::debug_views(const Plan& /*plan*/) const {
+    return {};
+}
+
+DebugImage Plateaus::debug_image(Frame& /*frame*/, std::string_view /*id*/) {
+    return {};
+}
+
+}  // namespace penumbra

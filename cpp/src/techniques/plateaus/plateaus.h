@@ -1,0 +1,82 @@
+#pragma once
+
+#include "passes/centre_map.h"
+#include "passes/silhouette_pass.h"
+#include "penumbra/technique.h"
+#include "techniques/plateaus/plane_block.h"
+
+namespace penumbra {
+
+/// Plateaus [Haines2001]: on each receiver plane a texture of the hard shadow with slopes around it, a cone for each
+/// silhouette vertex and a sheet for each silhouette edge, as wide as the light's image through them; where slopes
+/// overlap the darkest stays. One pass, no noise, no bias; exact in width outside the hard shadow, nothing inside
+/// unless `sides` is `both`. Pixels on no plane take the depth map's hard shadow and the slopes of the plane behind
+/// them. Formulas, variants and their errors: docs/techniques/plateaus.md.
+class Plateaus final : public Technique {
+public:
+    explicit Plateaus(const Settings& settings);
+    [[nodiscard]] static const TechniqueInfo& description();
+
+    [[nodiscard]] const TechniqueInfo& info() const noexcept override { return description(); }
+    [[nodiscard]] Verdict supports(const Light& light) const override;
+    [[nodiscard]] Plan plan(const LightSummary& summary) const override;
+    void prepare(Frame& frame) override;
+    void update(Frame& frame) override;
+    void resolve(Frame& frame) override;
+    [[nodiscard]] std::size_t memory_bytes() const noexcept override;
+    [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
+    [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
+
+private:
+    enum class Sheets { Envelope, Bilinear, Tessellated };
+    enum class Store { Float, Byte, Depth };
+
+    /// Planes, textures and what they hold: from view and light alone.
+    struct Layout {
+        PlanarReceivers receivers;
+        std::vector<gpu::PlateauPlane> blocks;
+        std::vector<PlateauLight::Frame> frames;
+        glm::dvec3 origin_ws{0.0};
+        int width_px = 1, height_px = 1;   ///< of a layer
+        double widest_texels = 0.0;        ///< largest radius of a penumbra
+        bool hard = false;                 ///< no penumbra is wider than half a texel: the depth map alone
+        bool map = false;                  ///< the depth map is looked up
+    };
+    [[nodiscard]] Layout lay_out(const LightSummary& summary) const;
+    [[nodiscard]] std::string step_of(const Layout& layout, std::size_t plane) const;
+    [[nodiscard]] bool slopes_off_planes(const Layout& layout) const noexcept;
+    [[nodiscard]] Defines defines(std::size_t plane) const;
+    [[nodiscard]] const Program& lookup(Frame& frame) const;
+    void draw_umbra(Frame& frame, std::size_t plane);
+    void draw_slopes(Frame& frame, std::size_t plane);
+    void draw_edges(Frame& frame, std::size_t plane, Defines more, int per_edge, int row = -1);
+    void send_mail(Frame& frame);
+    void bind_block();
+
+    PlanarReceiverOptions finding_;
+    PlateauOptions shape_;
+    double plane_tolerance_;
+    int size_px_;
+    Sheets sheets_;
+    int cells_;
+    bool fans_;
+    int segments_;
+    EdgeChoice edges_;
+    Store store_;
+    glm::vec2 hither_yon_;
+    int falloff_;
+    double dark_;
+    bool both_sides_;
+    bool narrow_;
+    bool soft_off_planes_;
+
+    CentreMap map_;
+    SilhouettePass silhouettes_;
+    Layout layout_;
+    PlateauLight light_;
+    StorageBuffer instances_, block_, mailboxes_, first_box_;
+    TextureImage slopes_, umbra_, darkest_, plane_of_pixel_;
+    std::vector<RenderTarget> umbra_targets_, slope_targets_;
+};
+
+}  // namespace penumbra
