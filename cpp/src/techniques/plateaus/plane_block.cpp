@@ -104,6 +104,14 @@ Shape shape_of(const PlanarReceiver& plane, const Light& light, const PlateauOpt
             shape.v *= glm::length(shape.u);
         }
     }
+    // Right-handed as the light sees the plane, so that the outer side of an edge is on the right in both.
+    if (glm::cross(shape.u, shape.v).z < 0.0) {
+        shape.v = -shape.v;
+        for (glm::dvec2& c : shape.corners) {
+            c.y = -c.y;
+        }
+        std::reverse(shape.corners.begin(), shape.corners.end());
+    }
     return shape;
 }
 

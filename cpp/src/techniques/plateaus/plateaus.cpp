@@ -181,6 +181,9 @@ Plateaus::Plateaus(const Settings& settings)
         shape_.own_shape = false;
         shape_.linear_radius = true;
     }
+    if (edges_ != EdgeChoice::Silhouettes) {
+        soft_off_planes_ = false;  // a receiver's own edges would be its nearest casters
+    }
     if (both_sides_) {  // exact areas stand for sheets, and need the sign that only floats have
         sheets_ = Sheets::Envelope;
         store_ = Store::Float;
@@ -468,9 +471,7 @@ void Plateaus::send_mail(Frame& frame) {
     const std::vector<std::uint32_t> nobody(mailboxes_.bytes() / sizeof(std::uint32_t), 0xffffffffU);
     mailboxes_.upload(std::span<const std::uint32_t>{nobody});
     const Program& program = frame.device().programs.get(
-        {"techniques/plateaus/mailbox.vert", "techniques/plateaus/slopes.frag"},
-        {{"PART", "0"}, {"GAUGE", "0"}, {"FRAME", "0"}, {"SHEET", "0"}, {"SIDES", "1"}, {"HEIGHTS", "0"},
-         {"STORE_DEPTH", "0"}});
+        {"techniques/plateaus/mailbox.vert", "techniques/plateaus/umbra.frag"}, {{"UMBRA_COPY", "0"}, {"STORE_DEPTH", "0"}});
     silhouettes_.bind(0);
     mailboxes_.bind_storage(3);
     first_box_.bind_storage(4);
