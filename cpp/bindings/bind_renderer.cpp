@@ -124,6 +124,23 @@ py::list debug_images(PyRenderer& self, std::size_t light, const std::string& te
     return all;
 }
 
+py::list bake(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
+              const py::object& progress) {
+    const Job job{technique, settings_from(settings)};
+    auto textures = wait_for([&](Control& c) { return self.renderer.bake(light, job, c); }, progress, technique);
+    py::list all;
+    for (BakedTexture& texture : textures) {
+        std::vector<std::array<double, 3>> corners;
+        for (const glm::dvec3& c : texture.corners_ws) {
+            corners.push_back({c.x, c.y, c.z});
+        }
+        const std::vector<py::ssize_t> shape{texture.height_px, texture.width_px};
+        all.append(py::dict("name"_a = texture.name, "corners_ws"_a = corners,
+                            "visibility"_a = array_from<float>(std::move(texture.visibility), shape)));
+    }
+    return all;
+}
+
 py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pair<std::string, py::dict>>& jobs,
                  bool keep_everything, double max_seconds, int min_runs, int max_runs, const py::object& progress) {
     std::vector<Job> wanted;
@@ -215,6 +232,10 @@ void bind_renderer(py::module_& m) {
              "views"_a = std::vector<std::string>{}, "progress"_a = py::none(),
              "Pictures of the technique's inside: {id, title, caption, rgb (h, w, 3) float32, display values 0 .. 1}.\n"
              "views: ids, default all that the plan offers.")
+        .def(
+            "bake", &bake, "light"_a, "technique"_a, "settings"_a = py::dict(), "progress"_a = py::none(),
+            "The technique's textures of V on surfaces: {name, visibility (h, w) float32, corners_ws: world positions\n"
+            "of the image's corners at the UVs (0, 0), (1, 0), (1, 1), (0, 1)}; empty if it makes none.")
         .def("measure", &measure, "light"_a, "jobs"_a, "keep_everything"_a = false, "max_seconds"_a = 4.0,
              "min_runs"_a = 5, "max_runs"_a = 60, "progress"_a = py::none(),
              "Times of (technique, settings) jobs, measured interleaved; milliseconds.")

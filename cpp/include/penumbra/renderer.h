@@ -97,6 +97,8 @@ public:
     /// @throws InvalidSettings for an unknown view; the message lists those there are
     [[nodiscard]] std::vector<NamedDebugImage> debug_images(std::size_t light, const Job& job,
                                                             std::span<const std::string> views, Control& control);
+    /// The technique's textures of V on surfaces of the scene, with nothing left out; empty if it makes none.
+    [[nodiscard]] std::vector<BakedTexture> bake(std::size_t light, const Job& job, Control& control);
     [[nodiscard]] std::vector<Measurement> measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
                                                    const TimingOptions& timing, Control& control);
     [[nodiscard]] Reference reference(std::size_t light, const ReferenceOptions& options, Control& control);

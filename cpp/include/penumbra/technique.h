@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <memory>
 #include <string>
@@ -43,6 +44,14 @@ struct DebugView {
     std::string title;  ///< "Silhouettes as the light sees them"
 };
 
+/// V of one light on a flat piece of the scene, to be laid over it as a texture.
+struct BakedTexture {
+    std::string name;  ///< of the surface
+    int width_px = 0, height_px = 0;
+    std::vector<float> visibility;           ///< row 0 at the bottom, along corners 0 -> 1
+    std::array<glm::dvec3, 4> corners_ws{};  ///< of the image, at the UVs (0, 0), (1, 0), (1, 1), (0, 1)
+};
+
 /// One way to turn (scene, view, light, settings) into V per pixel: 0 umbra .. 1 lit.
 ///
 /// All calls come from the render thread. A Technique object serves one light with one set of settings and owns the
@@ -67,6 +76,8 @@ public:
     [[nodiscard]] virtual std::vector<DebugView> debug_views(const Plan& /*plan*/) const { return {}; }
     /// After update() and resolve(). @param id one of debug_views()
     [[nodiscard]] virtual DebugImage debug_image(Frame& /*frame*/, std::string_view /*id*/) { return {}; }
+    /// The technique's own textures of V on surfaces of the scene, after update(); empty if it makes none.
+    [[nodiscard]] virtual std::vector<BakedTexture> bake(Frame& /*frame*/) { return {}; }
 };
 
 /// All techniques, in the order users see them.

@@ -56,7 +56,8 @@ Seen gather(const Scene& scene, const View& view, std::span<const std::uint8_t> 
                 made.corners_ws[k] =
                     glm::dvec3{placed.world_from_local * glm::dvec4{placed.mesh->positions_local[t[k]], 1.0}};
             }
-            const glm::dvec3 n = glm::cross(made.corners_ws[1] - made.corners_ws[0], made.corners_ws[2] - made.corners_ws[0]);
+            const glm::dvec3 n =
+                glm::cross(made.corners_ws[1] - made.corners_ws[0], made.corners_ws[2] - made.corners_ws[0]);
             made.area = 0.5 * glm::length(n);
             made.normal = made.area > 0.0 ? n / (2.0 * made.area) : glm::dvec3{0.0};
             number[0] = static_cast<std::uint32_t>(seen.triangles.size());
@@ -103,7 +104,8 @@ std::vector<Cell> fullest_cells(const std::vector<SeenTriangle>& triangles, cons
         if (!(std::abs(offset) < 9e15)) {
             continue;
         }
-        Cell& cell = cells[{number(64.0 * t.normal.x), number(64.0 * t.normal.y), number(64.0 * t.normal.z), number(offset)}];
+        Cell& cell =
+            cells[{number(64.0 * t.normal.x), number(64.0 * t.normal.y), number(64.0 * t.normal.z), number(offset)}];
         if (cell.pixels == 0 || t.area > triangles[cell.largest].area) {
             cell.largest = i;
         }
@@ -119,6 +121,25 @@ std::vector<Cell> fullest_cells(const std::vector<SeenTriangle>& triangles, cons
     });
     all.resize(std::min(all.size(), most));
     return all;
+}
+
+/// Corners of all triangles of an instance that lie on the plane, whichever way they are turned.
+void add_whole(const Instance& instance, const PlanarReceiver& plane, double tolerance_m,
+               std::vector<glm::dvec2>& points) {
+    for (const glm::uvec3& t : instance.mesh->triangles) {
+        glm::dvec3 offsets[3];
+        bool on = true;
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec4 local{instance.mesh->positions_local[t[k]], 1.0};
+            offsets[k] = glm::dvec3{instance.world_from_local * local} - plane.origin_ws;
+            on = on && std::abs(glm::dot(offsets[k], plane.normal)) <= tolerance_m;
+        }
+        for (const glm::dvec3& offset : offsets) {
+            if (on) {
+                points.emplace_back(glm::dot(offset, plane.axis_x), glm::dot(offset, plane.axis_y));
+            }
+        }
+    }
 }
 
 /// Axes along the camera's right hand, so that they turn with the scene.
@@ -213,9 +234,8 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
             order.push_back(static_cast<std::uint8_t>(p));
         }
     }
-    std::stable_sort(order.begin(), order.end(), [&](std::uint8_t a, std::uint8_t b) {
-        return found.planes[a].pixels > found.planes[b].pixels;
-    });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint8_t a, std::uint8_t b) { return found.planes[a].pixels > found.planes[b].pixels; });
     order.resize(std::min(order.size(), most));
     std::vector<std::uint8_t> renumbered(found.planes.size(), PlanarReceivers::kNone);
     std::vector<PlanarReceiver> kept;
@@ -223,9 +243,11 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
         renumbered[p] = static_cast<std::uint8_t>(kept.size());
         const auto& by_instance = pixels_by_instance[p];
         found.planes[p].name =
-            scene.instances[std::max_element(by_instance.begin(), by_instance.end(), [](const auto& a, const auto& b) {
-                                return a.second < b.second;
-                            })->first].name;
+            scene
+                .instances[std::max_element(by_instance.begin(), by_instance.end(),
+                                            [](const auto& a, const auto& b) { return a.second < b.second; })
+                               ->first]
+                .name;
         kept.push_back(std::move(found.planes[p]));
     }
     found.planes = std::move(kept);
@@ -248,10 +270,9 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
             continue;
         }
         // A row's first and last pixels hold its extent: a plane seen in perspective maps lines to lines.
-        const bool inside_row = i % static_cast<std::size_t>(view.width) != 0 &&
-                                (i + 1) % static_cast<std::size_t>(view.width) != 0 &&
-                                found.plane_of_pixel[i - 1] == p && mask[i + 1] != 0 &&
-                                seen.triangles[seen.of_pixel[i + 1]].plane == p;
+        const bool inside_row =
+            i % static_cast<std::size_t>(view.width) != 0 && (i + 1) % static_cast<std::size_t>(view.width) != 0 &&
+            found.plane_of_pixel[i - 1] == p && mask[i + 1] != 0 && seen.triangles[seen.of_pixel[i + 1]].plane == p;
         if (!inside_row) {
             const PlanarReceiver& plane = found.planes[p];
             const glm::dvec3 offset = view.eye_ws + glm::dvec3{view.position_cr[i]} - plane.origin_ws;
@@ -259,6 +280,11 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
         }
     }
     for (std::size_t p = 0; p < found.planes.size(); ++p) {
+        if (options.whole) {
+            for (const auto& [instance, pixels] : pixels_by_instance[order[p]]) {
+                add_whole(scene.instances[instance], found.planes[p], options.tolerance_m, points[p]);
+            }
+        }
         fit_rectangle(found.planes[p], points[p]);
     }
     return found;

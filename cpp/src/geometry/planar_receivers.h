@@ -25,9 +25,10 @@ struct PlanarReceiver {
 
 struct PlanarReceiverOptions {
     int most = 8;               ///< planes, largest in pixels first; at most 15
-    double tolerance_m = 0.0;  ///< a triangle lies on a plane if its corners are this near to it
-    double least_share = 0.01; ///< of the mask's pixels; a smaller plane is not worth a texture
-    std::string only;          ///< name of the one instance whose planes count; empty: all
+    double tolerance_m = 0.0;   ///< a triangle lies on a plane if its corners are this near to it
+    double least_share = 0.01;  ///< of the mask's pixels; a smaller plane is not worth a texture
+    bool whole = false;         ///< the rectangle holds all of the instances' triangles on the plane, seen or not
+    std::string only;           ///< name of the one instance whose planes count; empty: all
 };
 
 struct PlanarReceivers {

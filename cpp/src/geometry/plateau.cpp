@@ -27,15 +27,25 @@ glm::dvec2 support(const RoundedBox& shape, const glm::dvec2& n) noexcept {
     return shape.core * glm::sign(n) + (length > 0.0 ? shape.radius / length * n : glm::dvec2{0.0});
 }
 glm::dvec2 support(std::span<const glm::dvec2> corners, const glm::dvec2& n) noexcept {
-    return *std::max_element(corners.begin(), corners.end(), [&](const glm::dvec2& a, const glm::dvec2& b) {
-        return glm::dot(a, n) < glm::dot(b, n);
-    });
+    return *std::max_element(corners.begin(), corners.end(),
+                             [&](const glm::dvec2& a, const glm::dvec2& b) { return glm::dot(a, n) < glm::dot(b, n); });
 }
 
 /// The growing shape touches the line through a and b in its support point against the line's normal; if that lies
 /// between the ends, it is the answer, else the nearer end is.
 template <class Shape>
-double segment_gauge(const Shape& shape, const glm::dvec3& a, const glm::dvec3& b) noexcept {
+double segment_gauge(const Shape& shape, glm::dvec3 a, glm::dvec3 b) noexcept {
+    const double top = std::max(a.z, b.z);
+    if (!(top > 0.0)) {
+        return kInfinity;
+    }
+    const double behind = 1e-9 * top;
+    if (a.z < behind) {
+        a = glm::mix(a, b, (behind - a.z) / (b.z - a.z));
+    }
+    if (b.z < behind) {
+        b = glm::mix(a, b, (a.z - behind) / (a.z - b.z));
+    }
     double least = kInfinity;
     if (a.z > 0.0) {
         least = std::min(least, gauge(shape, glm::dvec2{a} / a.z));

@@ -68,7 +68,8 @@ struct RoundedBox {
 };
 /// Gauge: the factor by which the shape must grow to reach x.
 [[nodiscard]] double gauge(const RoundedBox& shape, const glm::dvec2& x) noexcept;
-/// Least gauge over the segment between the homogeneous points a and b (x, y, w > 0, at least one w > 0).
+/// Least gauge over the segment between the homogeneous points a and b (x, y, w), as far as w > 0; infinite if it is
+/// nowhere.
 [[nodiscard]] double gauge(const RoundedBox& shape, const glm::dvec3& a, const glm::dvec3& b) noexcept;
 /// The same for a convex polygon around the origin, counter-clockwise.
 [[nodiscard]] double gauge(std::span<const glm::dvec2> corners, const glm::dvec2& x) noexcept;

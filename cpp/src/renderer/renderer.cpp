@@ -332,6 +332,19 @@ std::vector<NamedDebugImage> Renderer::debug_images(std::size_t light, const Job
     });
 }
 
+std::vector<BakedTexture> Renderer::bake(std::size_t light, const Job& job, Control& control) {
+    return impl_->thread_.run([&](Device& device) {
+        control.check();
+        // Texels that no pixel sees are baked as well, so nothing may be left out for the view's sake.
+        const auto run = impl_->start(device, light, job, true, control);
+        run->technique->update(*run->frame);
+        static_cast<void>(impl_->state_->clock.collect());
+        std::vector<BakedTexture> textures = run->technique->bake(*run->frame);
+        check_gl("bake");
+        return textures;
+    });
+}
+
 std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
                                            const TimingOptions& timing, Control& control) {
     return impl_->thread_.run([&](Device& device) {

@@ -84,8 +84,7 @@ SettingValue checked(std::string_view technique, const SettingInfo& info, const 
     if (!std::holds_alternative<std::string>(value)) {
         throw_wrong_type(technique, info, value, "a name");
     }
-    if (!info.choices.empty() &&
-        std::ranges::find(info.choices, std::get<std::string>(value)) == info.choices.end()) {
+    if (!info.choices.empty() && std::ranges::find(info.choices, std::get<std::string>(value)) == info.choices.end()) {
         throw InvalidSettings{place(technique, info.id) + as_text(value) + " is not a choice; give one of " +
                               joined(info.choices)};
     }

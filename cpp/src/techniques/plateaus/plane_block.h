@@ -15,19 +15,19 @@ static_assert(sizeof(PlateauBlock) == 32 + PENUMBRA_MAX_PLANES * sizeof(PlateauP
 
 /// How the light's shape becomes a penumbra on a plane.
 struct PlateauLight {
-    enum class Gauge { Disc, RoundedBox, Polygon };       ///< GAUGE of plateau.glsl
-    enum class Frame { Parallel, Tilted, Ball };          ///< FRAME of plateau.glsl
+    enum class Gauge { Disc, RoundedBox, Polygon };  ///< GAUGE of plateau.glsl
+    enum class Frame { Parallel, Tilted, Ball };     ///< FRAME of plateau.glsl
     Gauge gauge = Gauge::Disc;
     Frame frame = Frame::Parallel;
 };
 
 struct PlateauOptions {
-    bool own_shape = true;        ///< false: a disc of the light's area, parallel to the plane
-    bool linear_radius = false;   ///< r = k h
-    double k = 0.0;               ///< of linear_radius; 0: from the light
-    double match = 1.0;           ///< 1 outer, 2 width
-    double corner_radius = 0.0;   ///< rectangle: share of its half sides that is rounded
-    double lozenge_radius = 0.02; ///< line: half width over half length
+    bool own_shape = true;         ///< false: a disc of the light's area, parallel to the plane
+    bool linear_radius = false;    ///< r = k h
+    double k = 0.0;                ///< of linear_radius; 0: from the light
+    double match = 1.0;            ///< 1 outer, 2 width
+    double corner_radius = 0.0;    ///< rectangle: share of its half sides that is rounded
+    double lozenge_radius = 0.02;  ///< line: half width over half length
     double least_radius_texels = 0.0;
 };
 

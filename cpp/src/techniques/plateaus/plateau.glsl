@@ -129,6 +129,16 @@ struct Nearest {
 // Least gauge over the segment between two homogeneous points.
 Nearest nearest_on_edge(vec3 a, vec3 b) {
     Nearest found;
+#if FRAME != 0
+    // What lies behind the receiver's line of sight on a tilted light is cut off before any division.
+    float top = max(a.z, b.z);
+    float least = 1e-4 * max(top, 0.0);
+    vec3 from_a = a;
+    float t_a = a.z < least ? (least - a.z) / (b.z - a.z) : 0.0;
+    float t_b = b.z < least ? (a.z - least) / (a.z - b.z) : 1.0;
+    a = t_a > 0.0 ? mix(from_a, b, t_a) : a;
+    b = t_b < 1.0 ? mix(from_a, b, t_b) : b;
+#endif
 #if GAUGE == 0
     // Least |a + t d| / (w + t e): the derivative is linear in t.
     vec3 d = b - a;
@@ -146,9 +156,10 @@ Nearest nearest_on_edge(vec3 a, vec3 b) {
     bool nearer_b = lambda_b < lambda_a;
     found.lambda = nearer_b ? lambda_b : lambda_a;
     found.t = nearer_b ? 1.0 : 0.0;
-    found.normal = nearer_b ? b.xy : a.xy;
     vec3 line = cross(a, b);
     vec2 n = line.z > 0.0 ? -line.xy : line.xy;
+    // At an end too the edge's own line stands for it: lambda counts in the shape's reach along that.
+    found.normal = dot(n, n) > 0.0 ? n : (nearer_b ? b.xy : a.xy);
     vec2 corner = support(n);
     float reach = dot(corner, n);
     if (dot(n, n) > 0.0 && reach > 0.0) {
@@ -159,9 +170,12 @@ Nearest nearest_on_edge(vec3 a, vec3 b) {
         if (dot(from, to) <= 0.0 && lambda < found.lambda) {
             found.lambda = lambda;
             found.t = dot(from, from - to) > 0.0 ? clamp(dot(from, from) / dot(from, from - to), 0.0, 1.0) : 0.0;
-            found.normal = n;
         }
     }
+#endif
+#if FRAME != 0
+    found.lambda = top > 0.0 ? found.lambda : kFar;
+    found.t = mix(t_a, t_b, found.t);
 #endif
     return found;
 }
@@ -181,9 +195,10 @@ float bilinear_sheet(vec3 a, vec3 b) {
     float x = -dot(a.xy, e);
     float y = -dot(a.xy, right_of(e));
     float bottom = (a.z - g * x) * side + g * g * y;
-    float lambda = y / bottom;
+    float lambda = max(y, 0.0) / bottom;
     float u = (x - lambda * g * a.z) / (1.0 - lambda * g * g) / len;
-    return y >= 0.0 && bottom > 0.0 && u >= 0.0 && u <= 1.0 && lambda <= 1.0 ? lambda : kFar;
+    // A little over the hard edge, so that no texel on it falls between the sheet and the umbra.
+    return y >= -0.0005 * max(a.z, b.z) && bottom > 0.0 && u >= 0.0 && u <= 1.0 && lambda <= 1.0 ? lambda : kFar;
 }
 
 // Visible part of the light where a straight edge passes at xi of its reach along `normal`, xi in [-1, 1].

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "passes/debug_picture.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
 
@@ -51,18 +52,21 @@ std::vector<SettingInfo> plateau_settings() {
         number("planes", "Planes", "", "How many planes get a texture, those that fill most pixels first.", 8, 0, 15),
         choice("plane", "Plane", "auto: planes found in the view; or the name of the one object whose planes count.",
                "auto", {}),
-        number("plane_tolerance", "Plane tolerance", "", "Unevenness of a plane, in radii of what is seen of the scene.",
-               1e-4, 0.0, 0.1),
+        choice("extent", "Extent", "view: the part of a plane that is seen; object: all of its objects' faces on it.",
+               "view", {"view", "object"}),
+        number("plane_tolerance", "Plane tolerance", "",
+               "Unevenness of a plane, in radii of what is seen of the scene.", 1e-4, 0.0, 0.1),
         number("smallest_plane", "Smallest plane", "", "Share of the lit pixels below which a plane gets no texture.",
                0.01, 0.0, 1.0),
         choice("light_shape", "Light shape",
                "own: the light's own outline as each point of the plane sees it; disc: a disc of its area, parallel to "
                "the plane.",
                "own", {"own", "disc"}),
-        choice("radius_model", "Radius model",
-               "Growth of a penumbra with its caster's height h: disc R h / (H - h), linear k h, sun h tan(a) / cos(t); "
-               "auto: disc, for a sun sun.",
-               "auto", {"auto", "linear", "disc", "sun"}),
+        choice(
+            "radius_model", "Radius model",
+            "Growth of a penumbra with its caster's height h: disc R h / (H - h), linear k h, sun h tan(a) / cos(t); "
+            "auto: disc, for a sun sun.",
+            "auto", {"auto", "linear", "disc", "sun"}),
         number("k", "Width per height", "", "Linear radius model: k of r = k h; 0: from the light's size.", 0.0, 0.0,
                10.0),
         choice("match", "Match",
@@ -113,6 +117,41 @@ EdgeChoice edge_choice(const std::string& name) {
                                 : (name == "facing" ? EdgeChoice::LightFacing : EdgeChoice::All);
 }
 
+/// Textures in a row, bottom aligned.
+DebugImage side_by_side(const std::vector<BakedTexture>& textures, std::string caption) {
+    DebugImage image;
+    image.caption = std::move(caption);
+    for (const BakedTexture& texture : textures) {
+        image.width_px += texture.width_px;
+        image.height_px = std::max(image.height_px, texture.height_px);
+    }
+    image.rgb.assign(static_cast<std::size_t>(image.width_px) * image.height_px, glm::vec3{0.25F});
+    int left = 0;
+    for (const BakedTexture& texture : textures) {
+        for (int y = 0; y < texture.height_px; ++y) {
+            for (int x = 0; x < texture.width_px; ++x) {
+                image.rgb[static_cast<std::size_t>(y) * image.width_px + left + x] =
+                    glm::vec3{texture.visibility[static_cast<std::size_t>(y) * texture.width_px + x]};
+            }
+        }
+        left += texture.width_px;
+    }
+    return image;
+}
+
+DebugImage planes_picture(const View& view, const PlanarReceivers& receivers) {
+    DebugImage image{view.width, view.height, {}, "Each plane with a texture in a colour of its own; grey: none."};
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        const std::uint8_t p = receivers.plane_of_pixel[i];
+        const float hue = 2.399963F * static_cast<float>(p);  // the golden angle keeps neighbours apart
+        const glm::vec3 colour = 0.6F + 0.3F * glm::cos(hue + glm::vec3{0.0F, 2.094F, 4.189F});
+        const float shade = 0.4F + 0.6F * std::abs(view.normal_ws[i].z);
+        image.rgb.push_back(!view.hit(i) ? glm::vec3{0.0F}
+                                         : (p == PlanarReceivers::kNone ? glm::vec3{0.5F * shade} : shade * colour));
+    }
+    return image;
+}
+
 /// Largest height of the casters' boxes over the plane, and the largest distance from the pass's origin.
 glm::dvec2 reach_of_casters(const LightSummary& summary, const PlanarReceiver& plane, const glm::dvec3& origin_ws) {
     glm::dvec2 reach{0.0};
@@ -146,6 +185,7 @@ Plateaus::Plateaus(const Settings& settings)
     : finding_{.most = get_int(settings, "planes"),
                .tolerance_m = 0.0,
                .least_share = get_double(settings, "smallest_plane"),
+               .whole = get_choice(settings, "extent") == "object",
                .only = get_choice(settings, "plane") == "auto" ? "" : get_choice(settings, "plane")},
       shape_{.own_shape = get_choice(settings, "light_shape") == "own",
              .linear_radius = get_choice(settings, "radius_model") == "linear",
@@ -247,7 +287,8 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
             const glm::dvec3 at{glm::dot(offset, plane.axis_x), glm::dot(offset, plane.axis_y), plane.height(p_ws)};
             if (at.z > 0.0 && (lights[p].w == 0.0 || at.z < kClipAtLight * lights[p].z)) {
                 const glm::dvec2 more = 0.25 * (plane.high_m - plane.low_m);
-                const glm::dvec2 s = glm::clamp(plateau::project(at, lights[p]), plane.low_m - more, plane.high_m + more);
+                const glm::dvec2 s =
+                    glm::clamp(plateau::project(at, lights[p]), plane.low_m - more, plane.high_m + more);
                 low[p] = glm::min(low[p], s);
                 high[p] = glm::max(high[p], s);
             }
@@ -265,19 +306,23 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
             largest = std::min(largest, kClipAtLight * lights[p].z);
         }
         gpu::PlateauPlane block = make_plateau_plane(plane, light, shape_, layout.origin_ws, {least, largest});
-        const double share = std::sqrt(static_cast<double>(plane.pixels) / static_cast<double>(receivers.planes[0].pixels));
+        const double share =
+            std::sqrt(static_cast<double>(plane.pixels) / static_cast<double>(receivers.planes[0].pixels));
         const double size = std::max(std::min(64.0, static_cast<double>(size_px_)), std::round(size_px_ * share));
         const glm::dvec2 extent = high[p] - low[p];
         const double longer = std::max({extent.x, extent.y, 4.0 * least});
         const double texel = longer / std::max(1.0, size - 2.0 * kBorder_px);
-        const glm::ivec2 size_px = glm::max(glm::ivec2{glm::ceil(extent / texel - 1e-9)}, glm::ivec2{1}) + 2 * kBorder_px;
+        const glm::ivec2 size_px =
+            glm::max(glm::ivec2{glm::ceil(extent / texel - 1e-9)}, glm::ivec2{1}) + 2 * kBorder_px;
         const glm::dvec2 corner = low[p] - kBorder_px * texel;
         block.window = glm::vec4{glm::vec2{corner}, static_cast<float>(texel), static_cast<float>(1.0 / texel)};
         block.size.x = size_px.x;
         block.size.y = size_px.y;
-        const double sigma = block.heights.z > 0.0F ? block.heights.z * largest : plateau::image_scale(largest, lights[p]);
+        const double sigma =
+            block.heights.z > 0.0F ? block.heights.z * largest : plateau::image_scale(largest, lights[p]);
         const double cosine = lights[p].z / glm::length(glm::dvec3{lights[p]});
-        const double reach_m = shape_.match * std::max({disc_radius(light), glm::length(light.half_u_ws), glm::length(light.half_v_ws)});
+        const double reach_m =
+            shape_.match * std::max({disc_radius(light), glm::length(light.half_u_ws), glm::length(light.half_v_ws)});
         widest = std::max(widest, sigma * reach_m / cosine / texel);
         if (const double radius = disc_radius(light); radius > 0.0) {
             block.normal.w = static_cast<float>(shape_.least_radius_texels * texel / radius);
@@ -287,12 +332,12 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
         const bool parallel = block.half_u.z == 0.0F && block.half_v.z == 0.0F && block.dual_v.w == 0.0F;
         const PlateauLight variant = plateau_light(light, shape_);
         layout.frames.push_back(variant.frame != PlateauLight::Frame::Ball && parallel ? PlateauLight::Frame::Parallel
-                                                                                      : variant.frame);
+                                                                                       : variant.frame);
         layout.blocks.push_back(block);
     }
     layout.widest_texels = widest;
-    layout.hard = !summary.has_extent || (shape_.k <= 0.0 && shape_.least_radius_texels <= 0.0 && widest < 0.5 &&
-                                          !layout.blocks.empty());
+    layout.hard = !summary.has_extent ||
+                  (shape_.k <= 0.0 && shape_.least_radius_texels <= 0.0 && widest < 0.5 && !layout.blocks.empty());
     layout.map = layout.hard || receivers.pixels_on_none > 0 || summary.keep_everything;
     return layout;
 }
@@ -381,8 +426,7 @@ void Plateaus::prepare(Frame& frame) {
 
     const int layers = static_cast<int>(layout_.blocks.size());
     const int width = layout_.width_px, height = layout_.height_px;
-    const GLenum format =
-        store_ == Store::Depth ? GL_DEPTH_COMPONENT16 : (store_ == Store::Byte ? GL_R8 : GL_R32F);
+    const GLenum format = store_ == Store::Depth ? GL_DEPTH_COMPONENT16 : (store_ == Store::Byte ? GL_R8 : GL_R32F);
     slopes_ = TextureImage::make_array(format, width, height, layers, "plateaus");
     umbra_ = both_sides_ ? TextureImage::make_array(GL_R8, width, height, layers, "umbrae") : TextureImage{};
     darkest_ = slopes_off_planes(layout_)
@@ -470,8 +514,9 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane) {
 void Plateaus::send_mail(Frame& frame) {
     const std::vector<std::uint32_t> nobody(mailboxes_.bytes() / sizeof(std::uint32_t), 0xffffffffU);
     mailboxes_.upload(std::span<const std::uint32_t>{nobody});
-    const Program& program = frame.device().programs.get(
-        {"techniques/plateaus/mailbox.vert", "techniques/plateaus/umbra.frag"}, {{"UMBRA_COPY", "0"}, {"STORE_DEPTH", "0"}});
+    const Program& program =
+        frame.device().programs.get({"techniques/plateaus/mailbox.vert", "techniques/plateaus/umbra.frag"},
+                                    {{"UMBRA_COPY", "0"}, {"STORE_DEPTH", "0"}});
     silhouettes_.bind(0);
     mailboxes_.bind_storage(3);
     first_box_.bind_storage(4);
@@ -487,16 +532,53 @@ void Plateaus::draw_edges(Frame& frame, std::size_t plane, Defines more, int per
     all.insert(all.end(), more.begin(), more.end());
     all.push_back({"PER_EDGE", std::to_string(per_edge)});
     const Program& program = frame.device().programs.get(
-        {"techniques/plateaus/slopes.vert", "techniques/plateaus/slopes.frag"}, all);
+        {"techniques/plateaus/slopes.vert",
+         wireframe_ ? "techniques/plateaus/wireframe.frag" : "techniques/plateaus/slopes.frag"},
+        all);
     program.set("plane_index", static_cast<int>(plane));
     if (row >= 0) {
         program.set("row", row);
     }
-    if (store_ == Store::Depth) {
+    if (store_ == Store::Depth && !wireframe_) {
         program.set("hither_yon", hither_yon_);
     }
     program.use();
     silhouettes_.draw(frame, GL_TRIANGLES, per_edge);
+}
+
+void Plateaus::draw_primitives(Frame& frame, std::size_t plane) {
+    const std::string segments = std::to_string(segments_);
+    const std::string cells = std::to_string(cells_ > 0 ? cells_ : 32);
+    const auto part = [&](int number, int sheet, int first) {
+        return Defines{{"PART", std::to_string(number)},          {"SHEET", std::to_string(sheet)},
+                       {"FIRST_VERTEX", std::to_string(first)},   {"CELLS", cells},
+                       {"CELLS_BY_RULE", cells_ > 0 ? "0" : "1"}, {"SEGMENTS", segments},
+                       {"MAILBOX", number == 3 ? "1" : "0"}};
+    };
+    const bool silhouettes = edges_ == EdgeChoice::Silhouettes;
+    if (sheets_ == Sheets::Envelope) {
+        // A round light's penumbra lies in sheets and corner sectors; others need all that the light sweeps.
+        const bool tight = silhouettes && light_.gauge == PlateauLight::Gauge::Disc && !both_sides_;
+        draw_edges(frame, plane, part(tight ? 0 : 1, 0, 0), tight ? 15 : 6);
+    } else {
+        const bool fans = fans_ || !silhouettes;
+        if (sheets_ == Sheets::Bilinear) {
+            draw_edges(frame, plane, part(0, 1, 0), fans ? 6 : 15);
+        } else {
+            const int count = cells_ > 0 ? cells_ : 32;
+            for (int row = 0; row < count; ++row) {
+                draw_edges(frame, plane, part(2, 1, 0), 6 * count, row);
+            }
+            if (!fans) {
+                draw_edges(frame, plane, part(0, 1, 6), 9);
+            }
+        }
+        if (fans) {
+            mailboxes_.bind_storage(3);
+            first_box_.bind_storage(4);
+            draw_edges(frame, plane, part(3, 1, 0), 3 * segments_);
+        }
+    }
 }
 
 void Plateaus::draw_slopes(Frame& frame, std::size_t plane) {
@@ -527,41 +609,7 @@ void Plateaus::draw_slopes(Frame& frame, std::size_t plane) {
     glDisable(GL_CULL_FACE);
     silhouettes_.bind(0);
     bind_block();
-    const std::string segments = std::to_string(segments_);
-    const std::string cells = std::to_string(cells_ > 0 ? cells_ : 32);
-    const auto part = [&](int number, int sheet, int first) {
-        return Defines{{"PART", std::to_string(number)},
-                       {"SHEET", std::to_string(sheet)},
-                       {"FIRST_VERTEX", std::to_string(first)},
-                       {"CELLS", cells},
-                       {"CELLS_BY_RULE", cells_ > 0 ? "0" : "1"},
-                       {"SEGMENTS", segments},
-                       {"MAILBOX", number == 3 ? "1" : "0"}};
-    };
-    const bool silhouettes = edges_ == EdgeChoice::Silhouettes;
-    if (sheets_ == Sheets::Envelope) {
-        // A round light's penumbra lies in sheets and corner sectors; others need all that the light sweeps.
-        const bool tight = silhouettes && light_.gauge == PlateauLight::Gauge::Disc && !both_sides_;
-        draw_edges(frame, plane, part(tight ? 0 : 1, 0, 0), tight ? 15 : 6);
-    } else {
-        const bool fans = fans_ || !silhouettes;
-        if (sheets_ == Sheets::Bilinear) {
-            draw_edges(frame, plane, part(0, 1, 0), fans ? 6 : 15);
-        } else {
-            const int count = cells_ > 0 ? cells_ : 32;
-            for (int row = 0; row < count; ++row) {
-                draw_edges(frame, plane, part(2, 1, 0), 6 * count, row);
-            }
-            if (!fans) {
-                draw_edges(frame, plane, part(0, 1, 6), 9);
-            }
-        }
-        if (fans) {
-            mailboxes_.bind_storage(3);
-            first_box_.bind_storage(4);
-            draw_edges(frame, plane, part(3, 1, 0), 3 * segments_);
-        }
-    }
+    draw_primitives(frame, plane);
     glDisable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_DEPTH_TEST);
@@ -577,10 +625,10 @@ void Plateaus::update(Frame& frame) {
     }
     frame.step("silhouettes", [&] {
         const Light& light = frame.light();
-        silhouettes_.extract(frame,
-                             light.kind == LightKind::Sun ? glm::dvec4{-light.direction_ws, 0.0}
-                                                          : glm::dvec4{light.position_ws, 1.0},
-                             layout_.origin_ws);
+        silhouettes_.extract(
+            frame,
+            light.kind == LightKind::Sun ? glm::dvec4{-light.direction_ws, 0.0} : glm::dvec4{light.position_ws, 1.0},
+            layout_.origin_ws);
         if (mailboxes_.bytes() > sizeof(std::uint32_t)) {
             send_mail(frame);
         }
@@ -626,12 +674,97 @@ std::size_t Plateaus::memory_bytes() const noexcept {
     return bytes;
 }
 
-std::vector<DebugView> Plateaus::debug_views(const Plan& /*plan*/) const {
-    return {};
+std::vector<DebugView> Plateaus::debug_views(const Plan& plan) const {
+    std::vector<DebugView> views;
+    if (plan.runs("silhouettes")) {
+        views.push_back({"silhouettes", "Silhouettes as the light's centre sees them"});
+        views.push_back({"plateaus", "Plateaus: the texture of each plane"});
+        views.push_back({"primitives", "Sheets and cones as triangles over the first plane's texture"});
+        views.push_back({"planes", "Receiver planes found in the view"});
+    }
+    return views;
 }
 
-DebugImage Plateaus::debug_image(Frame& /*frame*/, std::string_view /*id*/) {
-    return {};
+DebugImage Plateaus::debug_image(Frame& frame, std::string_view id) {
+    if (id == "silhouettes") {
+        return view_picture(
+            frame, "Edges where light-facing and averted triangles meet: slopes grow from them.",
+            [&](RenderTarget& target) {
+                draw_silhouettes_in_view(frame, target, silhouettes_, layout_.origin_ws, {1.0F, 0.6F, 0.1F});
+            });
+    }
+    if (id == "planes") {
+        return planes_picture(frame.view(), layout_.receivers);
+    }
+    if (id == "primitives") {
+        return primitives_picture(frame);
+    }
+    std::vector<BakedTexture> textures = bake(frame);
+    return side_by_side(textures, "V on each plane, largest first; black is the hard shadow, its rim the slopes.");
+}
+
+DebugImage Plateaus::primitives_picture(Frame& frame) {
+    if (layout_.blocks.empty()) {
+        return {};
+    }
+    std::vector<BakedTexture> textures = bake(frame);
+    textures.resize(1);
+    DebugImage image = side_by_side(textures, "");
+    const glm::ivec4 size = layout_.blocks[0].size;
+    TextureImage colour = TextureImage::make_2d(GL_RGBA32F, size.x, size.y, "picture of sheets and cones");
+    RenderTarget target{"picture of sheets and cones"};
+    target.attach_colour(0, colour);
+    target.bind();
+    target.clear_colour(0, glm::vec4{0.0F});
+    silhouettes_.bind(0);
+    bind_block();
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    wireframe_ = true;
+    draw_primitives(frame, 0);
+    wireframe_ = false;
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    const std::vector<glm::vec4> lines = colour.read<glm::vec4>();
+    for (std::size_t i = 0; i < lines.size() && i < image.rgb.size(); ++i) {
+        image.rgb[i] = lines[i].w > 0.0F ? glm::vec3{lines[i]} : 0.75F * image.rgb[i];
+    }
+    image.caption = "Triangles of the slopes over the first plane's texture: sheets blue, cones orange.";
+    return image;
+}
+
+std::vector<BakedTexture> Plateaus::bake(Frame& frame) {
+    std::vector<BakedTexture> textures;
+    if (!frame.plan().runs("silhouettes")) {
+        return textures;
+    }
+    const std::vector<float> all = slopes_.read<float>();
+    const std::size_t layer = static_cast<std::size_t>(layout_.width_px) * layout_.height_px;
+    for (std::size_t p = 0; p < layout_.blocks.size(); ++p) {
+        const PlanarReceiver& plane = layout_.receivers.planes[p];
+        const gpu::PlateauPlane& block = layout_.blocks[p];
+        BakedTexture& texture = textures.emplace_back();
+        texture.name = plane.name;
+        texture.width_px = block.size.x;
+        texture.height_px = block.size.y;
+        for (int y = 0; y < block.size.y; ++y) {
+            for (int x = 0; x < block.size.x; ++x) {
+                double v = all[p * layer + static_cast<std::size_t>(y) * layout_.width_px + x];
+                if (store_ == Store::Depth) {
+                    v = (v - hither_yon_.x) / static_cast<double>(hither_yon_.y - hither_yon_.x);
+                }
+                v = std::min(std::abs(v), 1.0);
+                v = both_sides_ ? v : plateau::falloff(static_cast<plateau::Falloff>(falloff_), v);
+                texture.visibility.push_back(static_cast<float>(dark_ + (1.0 - dark_) * v));
+            }
+        }
+        const glm::dvec2 low{block.window}, high = low + static_cast<double>(block.window.z) * glm::dvec2{block.size};
+        const glm::dvec2 uv[4] = {low, {high.x, low.y}, high, {low.x, high.y}};
+        for (std::size_t c = 0; c < 4; ++c) {
+            texture.corners_ws[c] = plane.origin_ws + uv[c].x * plane.axis_x + uv[c].y * plane.axis_y;
+        }
+    }
+    return textures;
 }
 
 }  // namespace penumbra

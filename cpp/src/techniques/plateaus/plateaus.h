@@ -26,6 +26,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept override;
     [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
     [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
+    [[nodiscard]] std::vector<BakedTexture> bake(Frame& frame) override;
 
 private:
     enum class Sheets { Envelope, Bilinear, Tessellated };
@@ -37,10 +38,10 @@ private:
         std::vector<gpu::PlateauPlane> blocks;
         std::vector<PlateauLight::Frame> frames;
         glm::dvec3 origin_ws{0.0};
-        int width_px = 1, height_px = 1;   ///< of a layer
-        double widest_texels = 0.0;        ///< largest radius of a penumbra
-        bool hard = false;                 ///< no penumbra is wider than half a texel: the depth map alone
-        bool map = false;                  ///< the depth map is looked up
+        int width_px = 1, height_px = 1;  ///< of a layer
+        double widest_texels = 0.0;       ///< largest radius of a penumbra
+        bool hard = false;                ///< no penumbra is wider than half a texel: the depth map alone
+        bool map = false;                 ///< the depth map is looked up
     };
     [[nodiscard]] Layout lay_out(const LightSummary& summary) const;
     [[nodiscard]] std::string step_of(const Layout& layout, std::size_t plane) const;
@@ -49,6 +50,8 @@ private:
     [[nodiscard]] const Program& lookup(Frame& frame) const;
     void draw_umbra(Frame& frame, std::size_t plane);
     void draw_slopes(Frame& frame, std::size_t plane);
+    void draw_primitives(Frame& frame, std::size_t plane);
+    [[nodiscard]] DebugImage primitives_picture(Frame& frame);
     void draw_edges(Frame& frame, std::size_t plane, Defines more, int per_edge, int row = -1);
     void send_mail(Frame& frame);
     void bind_block();
@@ -69,6 +72,7 @@ private:
     bool both_sides_;
     bool narrow_;
     bool soft_off_planes_;
+    bool wireframe_ = false;  ///< while the picture of the primitives is drawn
 
     CentreMap map_;
     SilhouettePass silhouettes_;

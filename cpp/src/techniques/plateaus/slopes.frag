@@ -29,7 +29,7 @@ void main() {
     vec2 p = PLANE.window.xy + PLANE.window.z * gl_FragCoord.xy;
     Nearest found;
 #if PART >= 2
-    found.lambda = lambda;
+    found.lambda = max(lambda, 0.0);
     found.t = 0.0;
 #else
     vec3 q = to_light(p);

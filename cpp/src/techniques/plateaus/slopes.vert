@@ -217,6 +217,9 @@ void main() {
 #endif
     float along = float(cell + (right ? 1 : 0)) / float(cells);
     lambda = float(row + (far ? 1 : 0)) / float(cells);
+    if (row == 0 && !far) {  // a little over the hard edge: below 0, which counts as 0
+        lambda = -min(0.02 * texel / max(mix(r0, r1, along), 1e-30), 1.0);
+    }
     at = along * d + lambda * mix(r0, r1, along) * n;
 #else
     drawn = drawn && a_casts && r0 > 0.0;
