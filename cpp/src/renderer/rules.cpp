@@ -16,9 +16,6 @@ const std::vector<RuleInfo>& rules() {
         {"penumbra-under-half-a-texel",
          "every penumbra is narrower than half a texel of the map, and narrower ones are never drawn", 0.0},
         {"every-receiver-on-a-plane", "every visible receiver lies on a plane with a texture of its own", 0.0},
-        {"penumbra-below-texel",
-         "no penumbra is wider than half a texel of its texture, so the depth map's hard comparison is the answer",
-         0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",
          "the reference's pilot rays of a pixel and its neighbours show no penumbra, so it gets the least number of "

@@ -621,10 +621,10 @@ TEST_F(PlateausGl, RulesFireWhereTheyShouldAndNowhereElse) {
     EXPECT_EQ(visibility(plain, "plateaus"), visibility(plain, "plateaus", {}, true));
     EXPECT_FALSE(rule_fires(picture_scene(disc_light({0.8, -0.6, 4.0}, 0.4)), "every-receiver-on-a-plane"));
     const Scene tiny = over_floor(disc_light({0, 0, 4}, 1e-4), {box});
-    EXPECT_TRUE(rule_fires(tiny, "penumbra-below-texel"));
-    EXPECT_FALSE(rule_fires(tiny, "penumbra-below-texel", true));
+    EXPECT_TRUE(rule_fires(tiny, "penumbra-under-half-a-texel"));
+    EXPECT_FALSE(rule_fires(tiny, "penumbra-under-half-a-texel", true));
     EXPECT_EQ(visibility(tiny, "plateaus"), visibility(tiny, "plateaus", {}, true));
-    EXPECT_FALSE(rule_fires(plain, "penumbra-below-texel"));
+    EXPECT_FALSE(rule_fires(plain, "penumbra-under-half-a-texel"));
 }
 
 // The two-sided form must not let light through where casters touch or hide each other.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/cone_base.h"
 #include "geometry/light_shape.h"
 
 namespace penumbra {
@@ -120,24 +121,6 @@ bool flat(const glm::dvec3& u, const glm::dvec3& v) {
 }
 
 }  // namespace
-
-double disc_radius(const Light& light) {
-    switch (light.kind) {
-        case LightKind::Point:
-        case LightKind::Spot:
-            return light.radius_m;
-        case LightKind::Sun:
-            return std::tan(half_angle(light));
-        case LightKind::Line:
-            return 2.0 / kPi * glm::length(light.half_u_ws);
-        case LightKind::Rectangle:
-        case LightKind::Ellipse:
-        case LightKind::Polygon:
-            break;
-    }
-    const double area = emitting_area(light);
-    return area > 0.0 ? std::sqrt(area / kPi) : 2.0 / kPi * glm::length(longest_half_axis(light));
-}
 
 PlateauLight plateau_light(const Light& light, const PlateauOptions& options) {
     using Gauge = PlateauLight::Gauge;

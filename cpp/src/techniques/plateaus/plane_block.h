@@ -31,10 +31,6 @@ struct PlateauOptions {
     double least_radius_texels = 0.0;
 };
 
-/// Radius of the disc that stands for the light: of equal area; a line: its mean reach 2 l / pi over all directions; a
-/// sun: tangent of its half angle.
-[[nodiscard]] double disc_radius(const Light& light);
-
 /// Which shader variant serves the light; the same for all planes.
 [[nodiscard]] PlateauLight plateau_light(const Light& light, const PlateauOptions& options);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/cone_base.h"
 #include "passes/debug_picture.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -367,7 +368,7 @@ Plan Plateaus::plan(const LightSummary& summary) const {
         const std::string reason = summary.has_extent
                                        ? "no penumbra is wider than half a texel"
                                        : "all points of the light coincide, so every penumbra has the width 0";
-        const std::string rule = summary.has_extent ? "penumbra-below-texel" : "light-without-extent";
+        const std::string rule = summary.has_extent ? "penumbra-under-half-a-texel" : "light-without-extent";
         plan.leave_out("silhouettes", rule, reason);
         plan.leave_out("plateaus", rule, reason);
     } else if (!layout.blocks.empty()) {
