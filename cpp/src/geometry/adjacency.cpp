@@ -83,7 +83,8 @@ Adjacency make_adjacency(const Mesh& mesh) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (const auto c = corners(t); !degenerate(c)) {
             for (unsigned k = 0; k < 3; ++k) {
-                const std::uint32_t a = c[k], b = c[(k + 1) % 3];
+                const std::uint32_t a = c[k];
+                const std::uint32_t b = c[(k + 1) % 3];
                 half_edges[next[std::min(a, b)]++] = {std::max(a, b),
                                                       static_cast<std::uint32_t>(2 * t + (a > b ? 1 : 0))};
             }

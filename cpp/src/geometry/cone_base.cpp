@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/light_shape.h"
 
@@ -9,7 +10,7 @@ namespace penumbra {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 // A sun's disc of directions of half a turn has no image on a plane.
 constexpr double kWidestSun_rad = 85.0 * kPi / 180.0;
 
@@ -35,7 +36,7 @@ ConeBase polygon(std::vector<glm::dvec2> corners) {
         base.reach = std::max(base.reach, glm::length(a));
     }
     if (area < 0.0) {
-        std::reverse(corners.begin(), corners.end());
+        std::ranges::reverse(corners);
     }
     if (corners.size() > 2 && !(std::abs(area) > 1e-6 * base.reach * base.reach)) {
         return disc(base.reach);  // seen edge on: what is left is no shape to build on
@@ -98,11 +99,13 @@ ConeBase cone_base(const Light& light, ConeShape shape, const glm::dmat3& ls_fro
     }
     switch (light.kind) {
         case LightKind::Rectangle: {
-            const glm::dvec2 u = image(light.half_u_ws), v = image(light.half_v_ws);
+            const glm::dvec2 u = image(light.half_u_ws);
+            const glm::dvec2 v = image(light.half_v_ws);
             return polygon({-u - v, u - v, u + v, -u + v});
         }
         case LightKind::Polygon: {
             std::vector<glm::dvec2> corners;
+            corners.reserve(light.corners_ws.size());
             for (const glm::dvec3& corner_ws : light.corners_ws) {
                 corners.push_back(image(corner_ws - light.position_ws));
             }
@@ -114,7 +117,8 @@ ConeBase cone_base(const Light& light, ConeShape shape, const glm::dmat3& ls_fro
             if (glm::determinant(base.ip_from_unit) < 0.0) {
                 base.ip_from_unit[1] = -base.ip_from_unit[1];
             }
-            const glm::dvec2 u = base.ip_from_unit[0], v = base.ip_from_unit[1];
+            const glm::dvec2 u = base.ip_from_unit[0];
+            const glm::dvec2 v = base.ip_from_unit[1];
             const double mean = 0.5 * (glm::dot(u, u) + glm::dot(v, v));
             base.reach = std::sqrt(mean + std::hypot(mean - glm::dot(v, v), glm::dot(u, v)));
             if (!(glm::determinant(base.ip_from_unit) > 1e-6 * base.reach * base.reach)) {

@@ -20,7 +20,8 @@ public:
 
     void add_if_silhouette(std::uint32_t index, std::vector<SilhouetteEdge>& out) const {
         const Adjacency::Edge& edge = adjacency_.edges[index];
-        bool left = false, right = false;
+        bool left = false;
+        bool right = false;
         std::uint32_t start = Adjacency::kNone;
         for_sides(edge, [&](std::uint32_t side) {
             const int vote = vote_of(side);
@@ -57,7 +58,7 @@ public:
 
 private:
     template <class F>
-    void for_sides(const Adjacency::Edge& edge, F&& f) const {
+    void for_sides(const Adjacency::Edge& edge, const F& f) const {
         if (edge.side1 == Adjacency::kNone) {
             f(edge.side0);
         } else if ((edge.side1 & Adjacency::kMany) == 0) {

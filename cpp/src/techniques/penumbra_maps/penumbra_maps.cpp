@@ -1,6 +1,7 @@
 #include "techniques/penumbra_maps/penumbra_maps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -94,17 +95,16 @@ std::size_t index_of(const Settings& settings, const std::string& id, const std:
     const std::string& value = get_choice(settings, id);
     for (const SettingInfo& info : infos) {
         if (info.id == id) {
-            return static_cast<std::size_t>(std::find(info.choices.begin(), info.choices.end(), value) -
-                                            info.choices.begin());
+            return static_cast<std::size_t>(std::ranges::find(info.choices, value) - info.choices.begin());
         }
     }
     return 0;
 }
 
 std::string number_in_words(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", value);
-    return text;
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.2g", value);
+    return text.data();
 }
 
 }  // namespace
@@ -143,7 +143,7 @@ PenumbraMaps::Options PenumbraMaps::options_from(const Settings& settings) {
     }
     const std::size_t combine = index_of(settings, "combine", infos);
     options.by_depth_test = combine > 0 ? combine == 2 : options.literal;
-    constexpr GLenum kFormats[] = {GL_R32F, GL_R16F, GL_R8};
+    constexpr std::array<GLenum, 3> kFormats{GL_R32F, GL_R16F, GL_R8};
     options.format = kFormats[index_of(settings, "precision", infos)];
     return options;
 }
@@ -189,7 +189,6 @@ std::string PenumbraMaps::too_narrow(const LightSummary& summary) const {
 
 Plan PenumbraMaps::plan(const LightSummary& summary) const {
     Plan plan;
-    Plan lookup_plan;
     if (!map_.plan(summary, kLookup, plan)) {
         return plan;
     }
@@ -268,7 +267,7 @@ void PenumbraMaps::allocate(Frame& frame) {
         bases_.push_back(cone_base(frame.light(), options_.shape, face.ls_from_world));
     }
     // A polygon that one face sees edge on becomes a disc there; then all faces take it, for one program serves all.
-    if (!bases_.empty() && !std::all_of(bases_.begin(), bases_.end(), [&](const ConeBase& base) {
+    if (!bases_.empty() && !std::ranges::all_of(bases_, [&](const ConeBase& base) {
             return base.kind == bases_.front().kind && base.corners.size() == bases_.front().corners.size();
         })) {
         for (std::size_t i = 0; i < bases_.size(); ++i) {
@@ -327,10 +326,11 @@ void PenumbraMaps::prepare(Frame& frame) {
     }
 }
 
-void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) const {
+void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) {
     program.set("light_reach", base.kind == ConeBase::Kind::Ellipse ? 1.0F : static_cast<float>(base.reach));
     if (base.kind == ConeBase::Kind::Polygon) {
-        std::vector<glm::vec4> corners, sides;
+        std::vector<glm::vec4> corners;
+        std::vector<glm::vec4> sides;
         for (std::size_t i = 0; i < base.corners.size(); ++i) {
             const glm::dvec2 a = base.corners[i];
             const glm::dvec2 along = base.corners[(i + 1) % base.corners.size()] - a;
@@ -344,7 +344,7 @@ void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) const
     }
 }
 
-void PenumbraMaps::set_contact(const Program& program, const MapFace& face) const {
+void PenumbraMaps::set_contact(const Program& program, const MapFace& face) {
     // Below this the penumbra is narrower than the rounding of depths; perspective: a share of the edge's w.
     program.set("contact", face.orthographic ? static_cast<float>(1e-6 * (face.far_m - face.near_m)) : 1e-6F);
 }

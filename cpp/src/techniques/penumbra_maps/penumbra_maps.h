@@ -53,8 +53,8 @@ private:
     [[nodiscard]] const Program& lookup(Frame& frame) const;
     void allocate(Frame& frame);
     void draw_penumbra(Frame& frame);
-    void set_shape(const Program& program, const ConeBase& base) const;
-    void set_contact(const Program& program, const MapFace& face) const;
+    static void set_shape(const Program& program, const ConeBase& base);
+    static void set_contact(const Program& program, const MapFace& face);
     void pack(Frame& frame);
 
     Options options_;
