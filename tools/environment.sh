@@ -15,7 +15,7 @@ fail() {
 }
 
 # What the build needs, then what runs need: software OpenGL, and the libraries that Blender as a module links.
-BUILD_PACKAGES=(g++ git ccache libembree-dev libglm-dev libxxhash-dev)
+BUILD_PACKAGES=(g++ git ccache libembree-dev libglm-dev libmeshoptimizer-dev libxxhash-dev)
 RUN_PACKAGES=(libegl1 libgl1 libgl1-mesa-dri libx11-6 libxext6 libxrender1 libxfixes3 libxi6 libxxf86vm1 libxkbcommon0
     libsm6 libice6)
 TEST_PACKAGES=(libgtest-dev libgmock-dev)
