@@ -5,6 +5,11 @@
 uniform float bias_scale;     // 1: the closed form
 uniform float bias_constant;  // texel widths at the receiver
 uniform float slope_cap;      // texel widths
+#ifdef BIAS_METRES
+uniform float bias_metres;  // how far casters stand in front of what is seen (simplified casters)
+#else
+const float bias_metres = 0.0;
+#endif
 
 // Rounding of float32 depths, relative to the depth.
 const float kDepthRounding = 4.8e-7;
@@ -31,9 +36,9 @@ float depth_bias(MapPoint at, float reach) {
     return 0.0;
 #elif BIAS_MODE == 2
     float slope = min(bias_scale * reach * (abs(at.slope.x) + abs(at.slope.y)), slope_cap * at.texel_m);
-    return at.z_ls * kDepthRounding + bias_constant * at.texel_m + slope;
+    return bias_metres + at.z_ls * kDepthRounding + bias_constant * at.texel_m + slope;
 #else
-    return at.z_ls * kDepthRounding + bias_constant * at.texel_m;
+    return bias_metres + at.z_ls * kDepthRounding + bias_constant * at.texel_m;
 #endif
 }
 

@@ -35,10 +35,10 @@ bool CentreMap::needs_receiver_map(const LightSummary& summary) const noexcept {
     const auto casts = [&](std::uint32_t receiver) {
         return std::ranges::find(summary.casters, receiver) != summary.casters.end();
     };
-    // Simplified casters are not where their full meshes are seen to be, and culled ones leave no nearest surface.
+    // Culled casters leave no nearest surface.
     return wants_receivers(summary) &&
            (!std::ranges::all_of(summary.receivers, casts) || summary.receivers_not_casting > 0 ||
-            summary.keep_everything || caster_scene_ != nullptr || options_.bias.cull() != Cull::None);
+            summary.keep_everything || options_.bias.cull() != Cull::None);
 }
 
 MapFrustum CentreMap::fit(const LightSummary& summary) const {
@@ -118,14 +118,10 @@ void CentreMap::update(Frame& frame) {
         }
     }
     if (needs_receiver_map(frame.summary())) {
-        if (caster_scene_ != nullptr) {
-            setup_.bind_for_depth(frame.gpu_scene(), frustum_, block_);
-        }
         for (std::size_t i = 0; i < frustum_.faces.size(); ++i) {
             frame.step(receiver_name(frustum_.faces[i]), [&] {
-                receiver_map_.render(frame, frame.gpu_scene(),
-                                     casters_and_receivers(frame.summary(), frustum_.faces[i]), i, static_cast<int>(i),
-                                     Cull::None);
+                receiver_map_.render(frame, casters, casters_and_receivers(frame.summary(), frustum_.faces[i]), i,
+                                     static_cast<int>(i), Cull::None);
             });
         }
     }

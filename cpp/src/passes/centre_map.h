@@ -37,8 +37,11 @@ public:
     /// The frusta that plan() and update() use.
     [[nodiscard]] MapFrustum fit(const LightSummary& summary) const;
 
-    /// Draws casters from another set of meshes with the same instances (simplified casters); receivers stay.
+    /// Draws from another set of meshes with the same instances (simplified casters). Receivers that cast are then the
+    /// simplified ones too, as the silhouettes are.
     void use_casters(GpuScene& gpu_scene) noexcept { caster_scene_ = &gpu_scene; }
+    /// How far those may stand in front of what is seen; added to the bias.
+    void set_bias_metres(double metres) noexcept { options_.bias.metres = static_cast<float>(metres); }
 
     void allocate(Frame& frame);
     void update(Frame& frame);

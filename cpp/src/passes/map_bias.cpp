@@ -91,16 +91,23 @@ MapBias map_bias_from(const Settings& settings) {
 
 Defines MapBias::defines(const MapFrustum& frustum, bool facing_test) const {
     const bool orthographic = !frustum.faces.empty() && frustum.faces.front().orthographic;
-    return {{"BIAS_MODE", std::to_string(static_cast<int>(mode))},
-            {"MAP_FACES", std::to_string(std::max<std::size_t>(1, frustum.faces.size()))},
-            {"MAP_ORTHOGRAPHIC", orthographic ? "1" : "0"},
-            {"FACING_TEST", facing_test ? "1" : "0"}};
+    Defines all{{"BIAS_MODE", std::to_string(static_cast<int>(mode))},
+                {"MAP_FACES", std::to_string(std::max<std::size_t>(1, frustum.faces.size()))},
+                {"MAP_ORTHOGRAPHIC", orthographic ? "1" : "0"},
+                {"FACING_TEST", facing_test ? "1" : "0"}};
+    if (metres > 0.0F) {
+        all.push_back({"BIAS_METRES"});
+    }
+    return all;
 }
 
 void MapBias::set_uniforms(const Program& program) const {
     program.set("bias_scale", scale);
     program.set("bias_constant", constant);
     program.set("slope_cap", slope_cap);
+    if (metres > 0.0F) {
+        program.set("bias_metres", metres);
+    }
 }
 
 }  // namespace penumbra

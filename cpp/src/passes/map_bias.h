@@ -16,6 +16,7 @@ struct MapBias {
     float scale = 1.0F;       ///< of the mode's closed form
     float constant = 0.1F;    ///< texel widths at the receiver
     float slope_cap = 64.0F;  ///< texel widths
+    float metres = 0.0F;      ///< added to every bias but none: how far casters may stand in front of what is seen
 
     /// Which faces the depth pass leaves out: the lit ones for second depth.
     [[nodiscard]] Cull cull() const noexcept { return mode == Mode::SecondDepth ? Cull::Back : Cull::None; }

@@ -49,3 +49,16 @@ float cone_depth(vec2 d) {
     return length(d);
 #endif
 }
+
+#if CONE_BASE == 2
+// A sphere's outline seen from the apex: wider along the radius from the map's axis, and by its nearness.
+vec2 stretch(vec2 d, vec3 apex, bool inverse) {
+    float squared = dot(apex.xy, apex.xy);
+    float along = sqrt(1.0 + squared);
+    float sine = light_reach * apex.z / along;
+    float scale = light_reach / sqrt(max(1.0 - sine * sine, 1e-4));
+    vec2 radial = squared > 0.0 ? apex.xy * inversesqrt(squared) : vec2(0.0);
+    return inverse ? (d + radial * dot(radial, d) * (1.0 / along - 1.0)) / scale
+                   : (d + radial * dot(radial, d) * (along - 1.0)) * scale;
+}
+#endif

@@ -24,12 +24,11 @@ layout(binding = 4) uniform sampler2DArray penumbra_map;
 #include "techniques/penumbra_maps/ramp.glsl"
 
 // V past an edge with outer normal n, x > 0 outside it; lengths over the gap in w.
-float seen_past(vec2 n, float x) {
+float seen_past(vec2 n, float x, float half_width) {
 #if CONE_BASE == 1
     return light_fraction(n, x);
-#elif CONE_BASE == 2
-    x /= light_reach;
 #endif
+    x /= half_width;
 #if FALLOFF == 2
     return disc_fraction(x);
 #else
@@ -38,16 +37,24 @@ float seen_past(vec2 n, float x) {
 #endif
 }
 
+uniform int one;
+
 float inside_shadow(HardLookup look) {
     InnerEdge edge = read_inner_edge(look);
     float gap = edge.w - w_from_depth(look.at.z_ls);
     bool found = edge.found && !too_close(edge.w, w_from_depth(look.at.z_ls));
     gap = found ? gap : 1.0;
-    float reach = gap * (CONE_BASE == 0 ? 1.0 : light_reach);
+#if CONE_BASE == 2
+    float half_width =
+        length(stretch(edge.normal, vec3(ip_from_texel(look.layer, look.at.texel), edge.w), false));
+#else
+    float half_width = CONE_BASE == 0 ? 1.0 : light_reach;
+#endif
+    float reach = gap * half_width;
     float open = open_beyond(edge, look, reach);
-    float v = seen_past(edge.normal, -edge.distance / gap);
+    float v = seen_past(edge.normal, -edge.distance / gap, half_width);
     if (open < reach) {
-        v -= seen_past(edge.normal, -(edge.distance + open) / gap);
+        v -= seen_past(edge.normal, -(edge.distance + open) / gap, half_width);
     }
     return found ? clamp(v, 0.0, 1.0) : 0.0;
 }
@@ -67,10 +74,11 @@ void main() {
     Receiver receiver = read_receiver(receivers, ivec2(gl_FragCoord.xy));
     HardLookup look = look_up_hard(receiver.position_cr, receiver.normal_ws);
 #if SIDES_BOTH
-    // A loop of no or one turn: where no pixel of a block is dark, a rasteriser on the CPU leaves it at once, while it
-    // goes through both sides of an if.
+    // A loop of no or one turn (`one` is 1, but no compiler knows): where no pixel of a block is dark, a rasteriser on
+    // the CPU leaves it at once, while it goes through both sides of an if.
     float dark_value = 0.0;
-    for (int i = receiver.seen && look.dark ? 0 : 1; i < 1; ++i) {
+    int turns = receiver.seen && look.dark ? one : 0;
+    for (int i = 0; i < turns; ++i) {
         dark_value = inside_shadow(look);
     }
 #else

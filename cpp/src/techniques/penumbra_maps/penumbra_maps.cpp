@@ -1,10 +1,11 @@
 #include "techniques/penumbra_maps/penumbra_maps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
+#include "geometry/simplify.h"
 #include "passes/edge_space.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -82,6 +83,11 @@ std::vector<SettingInfo> penumbra_settings() {
     settings.push_back(number("facets", "Facets", "Triangles of a cone; literal mode only.", 24, 3, 64));
     settings.push_back(number("sheet_parts", "Sheet parts",
                               "Most parts of a sheet whose ends differ in depth; literal mode only.", 8, 1, 32));
+    settings.push_back(
+        number("caster_triangles", "Caster triangles",
+               "Simplifies all casters together to about this many triangles, and raises the bias by how "
+               "far they may stand off; 0: in full.",
+               0, 0, 1 << 30));
     settings.push_back(choice("combine", "Keep the darkest by",
                               "Minimum blending, or depth written and tested (published); auto: the mode's own.",
                               {"auto", "minimum", "depth_test"}));
@@ -95,16 +101,41 @@ std::size_t index_of(const Settings& settings, const std::string& id, const std:
     const std::string& value = get_choice(settings, id);
     for (const SettingInfo& info : infos) {
         if (info.id == id) {
-            return static_cast<std::size_t>(std::ranges::find(info.choices, value) - info.choices.begin());
+            return static_cast<std::size_t>(std::find(info.choices.begin(), info.choices.end(), value) -
+                                            info.choices.begin());
         }
     }
     return 0;
 }
 
+/// The factor by which a transform stretches at most.
+double largest_stretch(const glm::dmat3& m) {
+    const glm::dmat3 squared = glm::transpose(m) * m;
+    glm::dvec3 v{1.0, 0.7, 0.4};
+    double stretch = 0.0;
+    for (int i = 0; i < 40; ++i) {
+        const glm::dvec3 next = squared * v;
+        const double length = glm::length(next);
+        stretch = std::sqrt(length / glm::length(v));
+        v = length > 0.0 ? next / length : v;
+    }
+    return stretch;
+}
+
+/// How much wider than its radius a sphere's image can be in a map: 1 / cosine of the angle from the axis.
+double widest_stretch(const MapFrustum& frustum) {
+    double widest = 1.0;
+    for (const MapFace& face : frustum.faces) {
+        const glm::dvec2 corner = glm::max(glm::abs(face.low), glm::abs(face.high));
+        widest = std::max(widest, std::sqrt(1.0 + glm::dot(corner, corner)));
+    }
+    return widest;
+}
+
 std::string number_in_words(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.2g", value);
-    return text.data();
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", value);
+    return text;
 }
 
 }  // namespace
@@ -134,6 +165,7 @@ PenumbraMaps::Options PenumbraMaps::options_from(const Settings& settings) {
     options.packed = get_bool(settings, "packed");
     options.facets = get_int(settings, "facets");
     options.parts = get_int(settings, "sheet_parts");
+    options.caster_triangles = get_int(settings, "caster_triangles");
     options.shape = static_cast<ConeShape>(index_of(settings, "shape", infos));
     const std::size_t ramp = index_of(settings, "ramp", infos);
     options.ramp = ramp > 0 ? static_cast<Ramp>(ramp - 1) : options.both_sides ? Ramp::Exact : Ramp::Depth;
@@ -143,7 +175,7 @@ PenumbraMaps::Options PenumbraMaps::options_from(const Settings& settings) {
     }
     const std::size_t combine = index_of(settings, "combine", infos);
     options.by_depth_test = combine > 0 ? combine == 2 : options.literal;
-    constexpr std::array<GLenum, 3> kFormats{GL_R32F, GL_R16F, GL_R8};
+    constexpr GLenum kFormats[] = {GL_R32F, GL_R16F, GL_R8};
     options.format = kFormats[index_of(settings, "precision", infos)];
     return options;
 }
@@ -155,7 +187,11 @@ PenumbraMaps::PenumbraMaps(const Settings& settings)
             .facing_test = get_bool(settings, "facing_test"),
             .with_receivers = true,
             .along_light_normal = options_.shape == ConeShape::Light}},
-      silhouettes_{SilhouettePass::Options{}} {}
+      silhouettes_{SilhouettePass::Options{}} {
+    if (options_.caster_triangles > 0) {
+        map_.use_casters(caster_scene_);
+    }
+}
 
 Verdict PenumbraMaps::supports(const Light& /*light*/) const {
     return {};
@@ -189,6 +225,7 @@ std::string PenumbraMaps::too_narrow(const LightSummary& summary) const {
 
 Plan PenumbraMaps::plan(const LightSummary& summary) const {
     Plan plan;
+    Plan lookup_plan;
     if (!map_.plan(summary, kLookup, plan)) {
         return plan;
     }
@@ -267,7 +304,7 @@ void PenumbraMaps::allocate(Frame& frame) {
         bases_.push_back(cone_base(frame.light(), options_.shape, face.ls_from_world));
     }
     // A polygon that one face sees edge on becomes a disc there; then all faces take it, for one program serves all.
-    if (!bases_.empty() && !std::ranges::all_of(bases_, [&](const ConeBase& base) {
+    if (!bases_.empty() && !std::all_of(bases_.begin(), bases_.end(), [&](const ConeBase& base) {
             return base.kind == bases_.front().kind && base.corners.size() == bases_.front().corners.size();
         })) {
         for (std::size_t i = 0; i < bases_.size(); ++i) {
@@ -306,6 +343,9 @@ void PenumbraMaps::prepare(Frame& frame) {
     if (!frame.plan().runs(kLookup)) {
         return;
     }
+    if (options_.caster_triangles > 0) {
+        simplify_casters(frame);
+    }
     allocate(frame);
     static_cast<void>(lookup(frame));
     if (!soft_) {
@@ -320,17 +360,50 @@ void PenumbraMaps::prepare(Frame& frame) {
             casters.push_back(summary.casters[i]);
         }
     }
-    silhouettes_.prepare(frame, frame.gpu_scene(), frame.adjacency(), casters);
+    if (options_.caster_triangles > 0) {
+        caster_adjacency_.update(caster_scene_);
+        silhouettes_.prepare(frame, caster_scene_, caster_adjacency_, casters);
+    } else {
+        silhouettes_.prepare(frame, frame.gpu_scene(), frame.adjacency(), casters);
+    }
     if (options_.both_sides) {
         inner_.allocate(map_.size_px(), static_cast<int>(bases_.size()));
     }
 }
 
-void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) {
+void PenumbraMaps::simplify_casters(Frame& frame) {
+    Scene scene;
+    scene.instances = frame.scene().instances;
+    std::size_t triangles = 0;
+    for (const Instance& instance : scene.instances) {
+        triangles += instance.casts ? instance.mesh->triangles.size() : 0;
+    }
+    const double share = triangles > 0 ? options_.caster_triangles / static_cast<double>(triangles) : 1.0;
+    std::map<const Mesh*, SimplifiedMesh> simplified;
+    double deviation_m = 0.0;
+    for (Instance& instance : scene.instances) {
+        if (!instance.casts || !(share < 1.0)) {
+            continue;
+        }
+        auto found = simplified.find(instance.mesh.get());
+        if (found == simplified.end()) {
+            const auto wanted = static_cast<std::size_t>(share * static_cast<double>(instance.mesh->triangles.size()));
+            frame.control().check();
+            found = simplified.emplace(instance.mesh.get(), simplify(instance.mesh, std::max<std::size_t>(4, wanted)))
+                        .first;
+        }
+        instance.mesh = found->second.mesh;
+        deviation_m =
+            std::max(deviation_m, found->second.deviation * largest_stretch(glm::dmat3{instance.world_from_local}));
+    }
+    caster_scene_.update(scene);
+    map_.set_bias_metres(deviation_m);
+}
+
+void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) const {
     program.set("light_reach", base.kind == ConeBase::Kind::Ellipse ? 1.0F : static_cast<float>(base.reach));
     if (base.kind == ConeBase::Kind::Polygon) {
-        std::vector<glm::vec4> corners;
-        std::vector<glm::vec4> sides;
+        std::vector<glm::vec4> corners, sides;
         for (std::size_t i = 0; i < base.corners.size(); ++i) {
             const glm::dvec2 a = base.corners[i];
             const glm::dvec2 along = base.corners[(i + 1) % base.corners.size()] - a;
@@ -344,7 +417,7 @@ void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) {
     }
 }
 
-void PenumbraMaps::set_contact(const Program& program, const MapFace& face) {
+void PenumbraMaps::set_contact(const Program& program, const MapFace& face) const {
     // Below this the penumbra is narrower than the rounding of depths; perspective: a share of the edge's w.
     program.set("contact", face.orthographic ? static_cast<float>(1e-6 * (face.far_m - face.near_m)) : 1e-6F);
 }
@@ -435,10 +508,12 @@ void PenumbraMaps::update(Frame& frame) {
     });
     frame.step(kPenumbra, [&] { draw_penumbra(frame); });
     frame.step(kInner, [&] {
-        inner_.draw(frame, silhouettes_, map_,
-                    {.fixed = 0.0,
-                     .per_w = bases_.front().kind == ConeBase::Kind::Ellipse ? 1.0 : bases_.front().reach,
-                     .ip_from_unit = bases_.front().ip_from_unit});
+        const ConeBase& base = bases_.front();
+        double widest = base.kind == ConeBase::Kind::Ellipse ? 1.0 : base.reach;
+        if (base.kind == ConeBase::Kind::Sphere) {
+            widest *= widest_stretch(map_.frustum());
+        }
+        inner_.draw(frame, silhouettes_, map_, {.fixed = 0.0, .per_w = widest, .ip_from_unit = base.ip_from_unit});
     });
     frame.step(kPack, [&] { pack(frame); });
 }
@@ -456,6 +531,7 @@ void PenumbraMaps::resolve(Frame& frame) {
             if (options_.both_sides) {
                 inner_.bind(5);
                 inner_.set_uniforms(program);
+                program.set("one", 1);
                 set_shape(program, bases_.front());
                 set_contact(program, map_.frustum().faces.front());
             }
@@ -466,7 +542,9 @@ void PenumbraMaps::resolve(Frame& frame) {
 
 std::size_t PenumbraMaps::memory_bytes() const noexcept {
     const auto of = [](const TextureImage& texture) { return texture ? texture.bytes() : 0; };
-    return map_.bytes() + silhouettes_.bytes() + inner_.bytes() + of(penumbra_) + of(packed_) + of(order_);
+    return map_.bytes() + silhouettes_.bytes() + inner_.bytes() +
+           (options_.caster_triangles > 0 ? caster_scene_.memory_bytes() + caster_adjacency_.memory_bytes() : 0) +
+           of(penumbra_) + of(packed_) + of(order_);
 }
 
 }  // namespace penumbra

@@ -43,6 +43,7 @@ private:
         ConeShape shape = ConeShape::Disc;
         GLenum format = GL_R32F;
         int facets = 24, parts = 8;
+        int caster_triangles = 0;  ///< 0: in full
     };
     [[nodiscard]] static Options options_from(const Settings& settings);
 
@@ -52,6 +53,7 @@ private:
     [[nodiscard]] Defines drawing_defines() const;
     [[nodiscard]] const Program& lookup(Frame& frame) const;
     void allocate(Frame& frame);
+    void simplify_casters(Frame& frame);
     void draw_penumbra(Frame& frame);
     static void set_shape(const Program& program, const ConeBase& base);
     static void set_contact(const Program& program, const MapFace& face);
@@ -61,6 +63,8 @@ private:
     bool soft_ = false;  ///< the plan has a penumbra
     CentreMap map_;
     SilhouettePass silhouettes_;
+    GpuScene caster_scene_;  ///< with simplified meshes, the same instances
+    GpuAdjacency caster_adjacency_;
     InnerEdges inner_;
     std::vector<ConeBase> bases_;  ///< one per face
     TextureImage penumbra_, packed_, order_;
