@@ -1,11 +1,13 @@
 #include "techniques/penumbra_maps/penumbra_maps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
 
 #include "geometry/simplify.h"
+#include "passes/debug_picture.h"
 #include "passes/edge_space.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -101,8 +103,7 @@ std::size_t index_of(const Settings& settings, const std::string& id, const std:
     const std::string& value = get_choice(settings, id);
     for (const SettingInfo& info : infos) {
         if (info.id == id) {
-            return static_cast<std::size_t>(std::find(info.choices.begin(), info.choices.end(), value) -
-                                            info.choices.begin());
+            return static_cast<std::size_t>(std::ranges::find(info.choices, value) - info.choices.begin());
         }
     }
     return 0;
@@ -133,9 +134,9 @@ double widest_stretch(const MapFrustum& frustum) {
 }
 
 std::string number_in_words(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", value);
-    return text;
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.2g", value);
+    return text.data();
 }
 
 }  // namespace
@@ -175,7 +176,7 @@ PenumbraMaps::Options PenumbraMaps::options_from(const Settings& settings) {
     }
     const std::size_t combine = index_of(settings, "combine", infos);
     options.by_depth_test = combine > 0 ? combine == 2 : options.literal;
-    constexpr GLenum kFormats[] = {GL_R32F, GL_R16F, GL_R8};
+    constexpr std::array<GLenum, 3> kFormats{GL_R32F, GL_R16F, GL_R8};
     options.format = kFormats[index_of(settings, "precision", infos)];
     return options;
 }
@@ -304,7 +305,7 @@ void PenumbraMaps::allocate(Frame& frame) {
         bases_.push_back(cone_base(frame.light(), options_.shape, face.ls_from_world));
     }
     // A polygon that one face sees edge on becomes a disc there; then all faces take it, for one program serves all.
-    if (!bases_.empty() && !std::all_of(bases_.begin(), bases_.end(), [&](const ConeBase& base) {
+    if (!bases_.empty() && !std::ranges::all_of(bases_, [&](const ConeBase& base) {
             return base.kind == bases_.front().kind && base.corners.size() == bases_.front().corners.size();
         })) {
         for (std::size_t i = 0; i < bases_.size(); ++i) {
@@ -400,10 +401,11 @@ void PenumbraMaps::simplify_casters(Frame& frame) {
     map_.set_bias_metres(deviation_m);
 }
 
-void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) const {
+void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) {
     program.set("light_reach", base.kind == ConeBase::Kind::Ellipse ? 1.0F : static_cast<float>(base.reach));
     if (base.kind == ConeBase::Kind::Polygon) {
-        std::vector<glm::vec4> corners, sides;
+        std::vector<glm::vec4> corners;
+        std::vector<glm::vec4> sides;
         for (std::size_t i = 0; i < base.corners.size(); ++i) {
             const glm::dvec2 a = base.corners[i];
             const glm::dvec2 along = base.corners[(i + 1) % base.corners.size()] - a;
@@ -417,16 +419,53 @@ void PenumbraMaps::set_shape(const Program& program, const ConeBase& base) const
     }
 }
 
-void PenumbraMaps::set_contact(const Program& program, const MapFace& face) const {
+void PenumbraMaps::set_contact(const Program& program, const MapFace& face) {
     // Below this the penumbra is narrower than the rounding of depths; perspective: a share of the edge's w.
     program.set("contact", face.orthographic ? static_cast<float>(1e-6 * (face.far_m - face.near_m)) : 1e-6F);
 }
 
-void PenumbraMaps::draw_penumbra(Frame& frame) {
+void PenumbraMaps::draw_primitives(Frame& frame, std::size_t face_index, std::string_view fragment) {
     const Defines defines = drawing_defines();
+    const MapFace& face = map_.frustum().faces[face_index];
+    const ConeBase& base = bases_[face_index];
+    ProgramLibrary& programs = frame.device().programs;
     map_.bind_space();
     map_.receiver_texture().bind(2);
     silhouettes_.bind(2);
+    const EdgeRange range = edge_range(face, face.orthographic ? 0.0 : base.reach);
+    const glm::dvec2 step = (face.high - face.low) / static_cast<double>(map_.size_px());
+    const auto set_up = [&](const Program& program) {
+        set_edge_space(program, static_cast<int>(face_index), range, base.ip_from_unit);
+        set_shape(program, base);
+        program.set("texels_per_w", static_cast<float>(base.reach / std::min(step.x, step.y)));
+        if (fragment.empty()) {
+            set_contact(program, face);
+        }
+        program.use();
+    };
+    if (!options_.literal) {
+        const Program& program = programs.get({"techniques/penumbra_maps/exact.vert",
+                                               fragment.empty() ? "techniques/penumbra_maps/exact.frag" : fragment},
+                                              defines);
+        program.set("trim_cones", options_.trim);
+        set_up(program);
+        silhouettes_.draw(frame, GL_TRIANGLES, 15);
+        return;
+    }
+    const int facets = base.kind == ConeBase::Kind::Polygon ? static_cast<int>(base.corners.size()) : options_.facets;
+    for (const bool cones : {true, false}) {
+        Defines part = defines;
+        part.push_back({"LITERAL_CONES", cones ? "1" : "0"});
+        part.push_back({"FACETS", std::to_string(facets)});
+        part.push_back({"PARTS", std::to_string(options_.parts)});
+        set_up(programs.get({"techniques/penumbra_maps/literal.vert",
+                             fragment.empty() ? "techniques/penumbra_maps/literal.frag" : fragment},
+                            part));
+        silhouettes_.draw(frame, GL_TRIANGLES, cones ? 3 * facets : 6 * options_.parts);
+    }
+}
+
+void PenumbraMaps::draw_penumbra(Frame& frame) {
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     if (options_.by_depth_test) {
         glEnable(GL_DEPTH_TEST);
@@ -437,44 +476,13 @@ void PenumbraMaps::draw_penumbra(Frame& frame) {
         glEnable(GL_BLEND);
         glBlendEquation(GL_MIN);
     }
-    ProgramLibrary& programs = frame.device().programs;
     for (std::size_t i = 0; i < targets_.size(); ++i) {
-        const MapFace& face = map_.frustum().faces[i];
-        const ConeBase& base = bases_[i];
         targets_[i].bind();
         targets_[i].clear_colour(0, glm::vec4{1.0F});
         if (options_.by_depth_test) {
             targets_[i].clear_depth(1.0F);
         }
-        const EdgeRange range = edge_range(face, face.orthographic ? 0.0 : base.reach);
-        const auto set_up = [&](const Program& program) {
-            set_edge_space(program, static_cast<int>(i), range, base.ip_from_unit);
-            set_shape(program, base);
-            set_contact(program, face);
-            const glm::dvec2 step = (face.high - face.low) / static_cast<double>(map_.size_px());
-            program.set("texels_per_w", static_cast<float>(base.reach / std::min(step.x, step.y)));
-            program.use();
-        };
-        if (!options_.literal) {
-            const Program& program =
-                programs.get({"techniques/penumbra_maps/exact.vert", "techniques/penumbra_maps/exact.frag"}, defines);
-            set_up(program);
-            program.set("trim_cones", options_.trim);
-            silhouettes_.draw(frame, GL_TRIANGLES, 15);
-        } else {
-            const int facets =
-                base.kind == ConeBase::Kind::Polygon ? static_cast<int>(base.corners.size()) : options_.facets;
-            for (const bool cones : {true, false}) {
-                Defines part = defines;
-                part.push_back({"LITERAL_CONES", cones ? "1" : "0"});
-                part.push_back({"FACETS", std::to_string(facets)});
-                part.push_back({"PARTS", std::to_string(options_.parts)});
-                const Program& program = programs.get(
-                    {"techniques/penumbra_maps/literal.vert", "techniques/penumbra_maps/literal.frag"}, part);
-                set_up(program);
-                silhouettes_.draw(frame, GL_TRIANGLES, cones ? 3 * facets : 6 * options_.parts);
-            }
-        }
+        draw_primitives(frame, i, {});
     }
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
@@ -538,6 +546,62 @@ void PenumbraMaps::resolve(Frame& frame) {
         }
         frame.resolve_with(program);
     });
+}
+
+std::vector<DebugView> PenumbraMaps::debug_views(const Plan& plan) const {
+    if (!plan.runs(kLookup)) {
+        return {};
+    }
+    std::vector<DebugView> views{depth_map_view()};
+    if (plan.runs(kPenumbra)) {
+        views.push_back({"silhouettes", "Silhouettes in the view"});
+        views.push_back({"silhouettes_in_map", "Silhouettes as the light sees them"});
+        views.push_back({"cones_and_sheets", "Cones and sheets as the light sees them"});
+        views.push_back({"penumbra_map", "Penumbra map"});
+    }
+    if (plan.runs(kInner)) {
+        views.push_back({"inner_edges", "Distance from the nearest edge inside shadows"});
+    }
+    return views;
+}
+
+DebugImage PenumbraMaps::debug_image(Frame& frame, std::string_view id) {
+    const glm::vec3 line{1.0F, 0.55F, 0.1F};
+    if (id == "silhouettes") {
+        return view_picture(frame, "edges that the light's centre sees as an outline; faint: behind a surface",
+                            [&](RenderTarget& target) {
+                                draw_silhouettes_in_view(frame, target, silhouettes_, map_.frustum().origin_ws, line);
+                            });
+    }
+    if (id == "silhouettes_in_map") {
+        return map_picture(frame, map_, "edges that the light's centre sees as an outline",
+                           [&](int face, RenderTarget& target) {
+                               draw_silhouettes_in_map(frame, target, silhouettes_, map_, face, line);
+                           });
+    }
+    if (id == "cones_and_sheets") {
+        return map_picture(frame, map_, "cones and sheets down to the deepest receiver, as triangles",
+                           [&](int face, RenderTarget&) {
+                               glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+                               constexpr const char* kFlat = "techniques/penumbra_maps/debug_flat.frag";
+                               draw_primitives(frame, static_cast<std::size_t>(face), kFlat);
+                           });
+    }
+    if (id == "penumbra_map") {
+        return texture_picture(penumbra_, 0, 0.0F, 1.0F,
+                               "intensity of the nearest surfaces, white where nothing is drawn");
+    }
+    if (id == "inner_edges") {
+        double widest = 0.0;
+        for (std::size_t i = 0; i < bases_.size(); ++i) {
+            const MapFace& face = map_.frustum().faces[i];
+            const double unit = bases_[i].kind == ConeBase::Kind::Ellipse ? bases_[i].reach : 1.0;
+            widest = std::max(widest, 0.1 * glm::length(face.high - face.low) / std::max(unit, 1e-30));
+        }
+        return texture_picture(inner_.texture(), 2, 0.0F, static_cast<float>(widest),
+                               "distance from the nearest edge inside shadows, black where there is none");
+    }
+    return depth_map_picture(frame, map_);
 }
 
 std::size_t PenumbraMaps::memory_bytes() const noexcept {

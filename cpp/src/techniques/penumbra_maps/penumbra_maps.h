@@ -32,6 +32,8 @@ public:
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
     [[nodiscard]] std::size_t memory_bytes() const noexcept override;
+    [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
+    [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
 
 private:
     enum class Ramp { Depth, Image, Exact };
@@ -55,6 +57,8 @@ private:
     void allocate(Frame& frame);
     void simplify_casters(Frame& frame);
     void draw_penumbra(Frame& frame);
+    /// Cones and sheets of one face, with the mode's own fragment shader unless `fragment` names another.
+    void draw_primitives(Frame& frame, std::size_t face_index, std::string_view fragment);
     static void set_shape(const Program& program, const ConeBase& base);
     static void set_contact(const Program& program, const MapFace& face);
     void pack(Frame& frame);
