@@ -21,8 +21,9 @@ public:
         MapBias bias;
         bool facing_test = true;
         double margin_texels = 2.0;
-        bool with_receivers = false;      ///< receiver_texture() is needed
-        bool along_light_normal = false;  ///< see MapFrustumOptions
+        bool with_receivers = false;            ///< receiver_texture() is needed
+        bool receivers_without_extent = false;  ///< for a light without extent as well (widths that ignore the light)
+        bool along_light_normal = false;        ///< see MapFrustumOptions
     };
     explicit CentreMap(const Options& options)
         : options_{options},
@@ -71,7 +72,7 @@ private:
     [[nodiscard]] bool midpoint() const noexcept { return options_.bias.mode == MapBias::Mode::Midpoint; }
     /// Nothing grows from silhouettes where the light has no extent: then the map is the hard shadow map's own.
     [[nodiscard]] bool wants_receivers(const LightSummary& summary) const noexcept {
-        return options_.with_receivers && summary.has_extent;
+        return options_.with_receivers && (summary.has_extent || options_.receivers_without_extent);
     }
     [[nodiscard]] bool needs_receiver_map(const LightSummary& summary) const noexcept;
 

@@ -16,6 +16,7 @@ const std::vector<RuleInfo>& rules() {
         {"penumbra-under-half-a-texel",
          "every penumbra is narrower than half a texel of the map, and narrower ones are never drawn", 0.0},
         {"every-receiver-on-a-plane", "every visible receiver lies on a plane with a texture of its own", 0.0},
+        {"smoothie-without-width", "t is 0, so that smoothies cover no texel", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",
          "the reference's pilot rays of a pixel and its neighbours show no penumbra, so it gets the least number of "

@@ -9,6 +9,7 @@
 #include "techniques/plateaus/plateaus.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/shadow_map/shadow_map.h"
+#include "techniques/smoothies/smoothies.h"
 
 namespace penumbra {
 
@@ -29,6 +30,7 @@ const std::vector<Entry>& entries() {
     static const std::vector<Entry> table{
         entry<ShadowMap>(),
         entry<Pcf>(),
+        entry<Smoothies>(),
         entry<PenumbraMaps>(),
         entry<Plateaus>(),
         entry<LightSamples>(),
