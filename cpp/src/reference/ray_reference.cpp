@@ -26,6 +26,8 @@ constexpr int kPilotSide = 6;
 constexpr int kPairs = kRayLanes / 2;
 /// Rays beyond what the pilot asks for, so that most pixels end below the error asked for.
 constexpr double kSpareRays = 1.2;
+/// Differing pairs told beyond those found.
+constexpr float kUnseen = 0.5F;
 /// Streams of random numbers.
 constexpr std::uint32_t kPilotStream = 1;
 constexpr std::uint32_t kFinalStream = 2;
@@ -36,6 +38,7 @@ struct Sums {
     std::uint32_t differing = 0;  ///< pairs of which one sample is visible
     double w = 0.0, x = 0.0;
     double xx = 0.0, xw = 0.0, ww = 0.0;  ///< of the differences within pairs
+    double squares = 0.0;                 ///< of w itself
 };
 
 /// Sample coordinates of eight strata, two samples each: lanes 0 .. 7 hold the first ones, lanes 8 .. 15 the second
@@ -122,6 +125,7 @@ private:
                 sums.seen += seen_a + seen_b;
                 sums.differing += seen_a ^ seen_b;
                 sums.w += wa + wb;
+                sums.squares += wa * wa + wb * wb;
                 sums.x += xa + xb;
                 sums.xx += (xa - xb) * (xa - xb);
                 sums.xw += (xa - xb) * (wa - wb);
@@ -225,15 +229,16 @@ struct Found {
     float strata = 0.0F;                ///< 0: not traced
     float differing = 0.0F;             ///< pairs
     float irradiance_differing = 0.0F;  ///< squares of the pairs' weighted differences over the mean weight's square
+    float concentration = 1.0F;         ///< mean square of the weights over their mean's square
 };
 
 /// Standard error of the mean of `own.strata` pairs, by the pixel's own count and that of its 3 x 3 neighbourhood.
 ///
 /// The count of one pixel scatters, and now and then it is far too small: an edge along a row of strata makes all of
 /// them agree by chance. A neighbour with n strata and d differing pairs suggests d sqrt(own.strata / n) here. The
-/// larger of the own count and its mean with the neighbourhood's counts; half a pair more, see the header.
+/// larger of the own count and the mean that the neighbourhood suggests; `unseen` more, see the header.
 template <float Found::*Differing>
-float standard_error(const View& view, const std::vector<Found>& found, int x, int y) noexcept {
+float standard_error(const View& view, const std::vector<Found>& found, int x, int y, float unseen) noexcept {
     const Found& own = found[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x];
     double differing = 0.0;
     double roots = 0.0;
@@ -246,9 +251,8 @@ float standard_error(const View& view, const std::vector<Found>& found, int x, i
             }
         }
     }
-    const double own_differing = own.*Differing;
     const double around = differing * std::sqrt(static_cast<double>(own.strata)) / roots;
-    const double count = std::max(own_differing, 0.5 * (own_differing + around)) + 0.5;
+    const double count = std::max(static_cast<double>(own.*Differing), around) + unseen;
     return static_cast<float>(std::sqrt(count) / (2.0 * own.strata));
 }
 
@@ -399,7 +403,13 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
             found[pixel].strata = static_cast<float>(strata);
             found[pixel].differing = static_cast<float>(sums.differing);
             if (!(sums.w > 0.0)) {
-                return;  // nothing to shadow: 1
+                // Nothing to shadow: 1. Unless no sample met what little of the light is above the horizon: then the
+                // ratio may be any from 0 to 1, and the standard error told is 1/4: four of them span it.
+                const glm::dvec3 position_ws = view.eye_ws + glm::dvec3(view.position_cr[pixel]);
+                if (faces_light(light, position_ws, glm::dvec3(view.shading_normal_ws[pixel]))) {
+                    found[pixel].concentration = static_cast<float>(strata * strata / (4.0 * kUnseen));
+                }
+                return;
             }
             // The ratio's error is that of the mean of w (visible - ratio), over the mean of w.
             const double ratio = sums.x / sums.w;
@@ -407,6 +417,8 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
             const double mean_weight = sums.w / (2.0 * strata);
             result.irradiance[pixel] = static_cast<float>(ratio);
             found[pixel].irradiance_differing = static_cast<float>(squares / (mean_weight * mean_weight));
+            found[pixel].concentration =
+                static_cast<float>(sums.squares / (2.0 * strata) / (mean_weight * mean_weight));
         });
     parallel_for(
         view.height, 16,
@@ -415,9 +427,9 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
                 for (int x = 0; x < view.width; ++x) {
                     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + x;
                     if (found[i].strata > 0.0F) {
-                        result.standard_error[i] = standard_error<&Found::differing>(view, found, x, y);
-                        result.irradiance_standard_error[i] =
-                            standard_error<&Found::irradiance_differing>(view, found, x, y);
+                        result.standard_error[i] = standard_error<&Found::differing>(view, found, x, y, kUnseen);
+                        result.irradiance_standard_error[i] = standard_error<&Found::irradiance_differing>(
+                            view, found, x, y, kUnseen * found[i].concentration);
                     }
                 }
             }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <thread>
 
 #include "base/parallel.h"
@@ -297,6 +298,68 @@ TEST(TraceReference, ClosedFormsOfAllKindsAreWithinFourStandardErrors) {
         EXPECT_NEAR(area, 0.5, 4.0 * std::sqrt(area_variance)) << light.name;
         EXPECT_NEAR(irradiance, 0.5, 4.0 * std::sqrt(irradiance_variance)) << light.name;
     }
+}
+
+/// Thin slats at all heights and angles, as a fence, twigs and cables have them.
+Scene thicket() {
+    std::mt19937 random{7};
+    const auto between = [&](double low, double high) {
+        return low + (high - low) * static_cast<double>(random()) / 4294967295.0;
+    };
+    Scene scene;
+    scene.instances = {test::place(test::square(10))};
+    scene.instances[0].casts = false;
+    for (int i = 0; i < 60; ++i) {
+        const glm::vec3 at{between(-1.5, 1.5), between(-1.0, 1.0), between(0.1, 1.2)};
+        const double angle = between(0.0, kPi);
+        const glm::vec3 along{0.4 * std::cos(angle), 0.4 * std::sin(angle), between(-0.1, 0.1)};
+        const glm::vec3 across =
+            glm::normalize(glm::vec3{-along.y, along.x, 0.0F}) * static_cast<float>(between(0.005, 0.03));
+        scene.instances.push_back(test::place(
+            test::quad(at - along - across, at + along - across, at + along + across, at - along + across)));
+    }
+    return scene;
+}
+
+TEST(TraceReference, IsWithinFourToldErrorsOfTheExactOneOn9999PixelsOf10000AmongThinCasters) {
+    // Few pixels to a penumbra, few differing pairs to a pixel: told from its own pairs alone, or half from them, the
+    // standard error is too small in one or two of 10000.
+    const Scene scene = thicket();
+    const Light light = test::rectangle({0, 0, 2.5}, 0.3, 0.3);
+    const std::vector<Point> points = test::floor_points({-1.5, -1.0}, {1.5, 1.0}, 150, 100);
+    std::vector<glm::dvec3> positions;
+    for (const Point& point : points) {
+        positions.push_back(point.position_ws);
+    }
+    const std::vector<glm::dvec3> normals(points.size(), glm::dvec3{0, 0, 1});
+    Control control;
+    const ExactResult exact = exact_visibility(scene, light, positions, normals, control);
+    constexpr std::uint32_t kSeeds = 12;
+    int outside = 0;
+    int irradiance_outside = 0;
+    double squares = 0.0;
+    int penumbra = 0;
+    for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
+        const Reference reference = trace(scene, light, points, within(0.02, seed), 150);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const double z = (reference.area[i] - exact.area[i]) / reference.standard_error[i];
+            outside += std::abs(z) > 4.0 ? 1 : 0;
+            irradiance_outside +=
+                std::abs(reference.irradiance[i] - exact.irradiance[i]) > 4.0F * reference.irradiance_standard_error[i]
+                    ? 1
+                    : 0;
+            if (exact.area[i] > 0.02 && exact.area[i] < 0.98) {
+                squares += z * z;
+                ++penumbra;
+            }
+        }
+    }
+    const double allowed = 1e-4 * kSeeds * static_cast<double>(points.size());
+    EXPECT_GT(penumbra, static_cast<int>(kSeeds * points.size() / 2)) << "most pixels are hard ones";
+    EXPECT_LE(outside, allowed);
+    EXPECT_LE(irradiance_outside, allowed);
+    // Honest, if a little cautious.
+    EXPECT_NEAR(std::sqrt(squares / penumbra), 0.95, 0.05);
 }
 
 TEST(TraceReference, IsTheSameForAnyNumberOfThreadsAndDiffersBetweenSeeds) {

@@ -322,6 +322,26 @@ Scene clutter() {
     return scene;
 }
 
+TEST(TraceVisibility, OfAContactAtOneTenThousandthOfTheSceneIsOffByTheLiftOfTheRaysAlone) {
+    // A ramp of V = 1/2 + x / h under an edge at the height h. A ray's start is lifted off the floor, so the ramp is
+    // that of h less the lift: 4 roundings of the floor's size are 0.5 % of it, and more would show on every crease.
+    constexpr double kHeight = 1e-4;
+    Scene scene;
+    scene.instances = {
+        test::place(test::square(1)),
+        test::place(test::quad({-1, -1, 0}, {0, -1, 0}, {0, 1, 0}, {-1, 1, 0}), test::moved({0, 0, kHeight}))};
+    const std::vector<Point> points = test::floor_points({-0.45 * kHeight, -0.1}, {0.45 * kHeight, 0.1}, 16, 8);
+    const std::vector<float> v = trace(scene, test::rectangle({0, 0, 1}, 0.5, 0.5), points, rays(1024), 16);
+    double along = 0.0;
+    double squares = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double x = points[i].position_ws.x / kHeight;
+        along += (v[i] - 0.5) * x;
+        squares += x * x;
+    }
+    EXPECT_NEAR(along / squares, 1.0, 0.008);
+}
+
 TEST(TraceVisibility, IsTheSameForASceneScaledMovedAndTurned) {
     const std::vector<Point> floor = test::floor_points({-2, -2}, {2, 2}, 100, 100);
     const Light above = test::rectangle({0.4, 0.3, 2.5}, 0.4, 0.3);
