@@ -1,6 +1,7 @@
 // Cones and sheets of silhouette records, emitted homogeneously: positions in the image plane with w = 1, so that all
-// that is affine in (p, w) interpolates exactly [D: penumbra-maps 7]. 15 vertices per record: 6 of the edge's sheet,
-// 9 of the cone at its first vertex (trimmed to the wedge between two sheets: three triangles; whole: a square).
+// that is affine in (p, w) interpolates exactly [D: penumbra-maps 7]. 12 vertices per record: 6 of the edge's sheet,
+// 6 of the cone at its first vertex (trimmed to the wedge between two sheets, up to a third of a turn: a kite; else a
+// square around the whole).
 #include "lib/map_lookup.glsl"
 #include "lib/map_space.glsl"
 #include "lib/edge_space.glsl"
@@ -26,8 +27,8 @@ float texels_of(vec2 d) {
 }
 
 void main() {
-    int record_index = gl_VertexID / 15;
-    int k = gl_VertexID - 15 * record_index;
+    int record_index = gl_VertexID / 12;
+    int k = gl_VertexID - 12 * record_index;
     SilhouetteRecord record = records[record_index];
     vec3 a_ls = ls_from_rel(face_index, record.a_rel.xyz);
     vec3 b_ls = ls_from_rel(face_index, record.b_rel.xyz);
@@ -104,28 +105,28 @@ void main() {
 #endif
     } else {
         at = apex;
-        bool whole = !trim_cones || !both || more_than_half;
+#if CONE_BASE == 2
+        vec2 n_from = normalize(stretch(from, apex, true)), n_to = normalize(stretch(to, apex, true));
+#else
+        vec2 n_from = from / max(length(from), 1e-30), n_to = to / max(length(to), 1e-30);
+#endif
+        float cosine = dot(n_from, n_to);
+        bool whole = !trim_cones || !both || more_than_half || (gap && cosine < -0.5);
         draw = corner_in_range && (whole || (gap && !joined)) && (paired || seen || record.a_rel.w < 0.5);
 #if CONE_BASE == 1 && LIGHT_CORNERS == 2
         draw = false;  // a segment's cones have no width
 #endif
-        vec2 d;
-        if (whole) {
-            int corner = k - 6;
-            draw = draw && corner < 6;
-            d = vec2(corner == 1 || corner == 2 || corner == 4 ? 1.0 : -1.0,
-                     corner == 2 || corner == 4 || corner == 5 ? 1.0 : -1.0);
-        } else {
-#if CONE_BASE == 0
-            d = sector_corner(k - 6, from, to, true);
-#elif CONE_BASE == 1
-            float apart = length(from - to);
-            draw = draw && apart > 1e-6 * light_reach;
-            d = sector_corner(k - 6, from / max(length(from), 1e-30), to / max(length(to), 1e-30), true);
-#else
-            d = sector_corner(k - 6, normalize(stretch(from, apex, true)), normalize(stretch(to, apex, true)), true);
+#if CONE_BASE == 1
+        draw = draw && (whole || length(from - to) > 1e-6 * light_reach);
 #endif
-        }
+        int corner = k - 6;
+        vec2 square = vec2(corner == 1 || corner == 2 || corner == 4 ? 1.0 : -1.0,
+                           corner == 2 || corner == 4 || corner == 5 ? 1.0 : -1.0);
+        // The tip is where the rim's tangents at both ends meet.
+        vec2 tip = (n_from + n_to) / max(1.0 + cosine, 0.5);
+        vec2 kite = corner == 0 || corner == 3 ? vec2(0.0)
+                                               : (corner == 1 ? n_from : (corner == 5 ? n_to : tip));
+        vec2 d = whole ? square : kite;
         d *= max(apex_depth, 0.0);
         draw = draw && apex_depth * texels_per_w >= least_texels;
 #if CONE_BASE == 0

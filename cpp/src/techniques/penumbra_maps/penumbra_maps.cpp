@@ -449,7 +449,7 @@ void PenumbraMaps::draw_primitives(Frame& frame, std::size_t face_index, std::st
                                               defines);
         program.set("trim_cones", options_.trim);
         set_up(program);
-        silhouettes_.draw(frame, GL_TRIANGLES, 15);
+        silhouettes_.draw(frame, GL_TRIANGLES, 12);
         return;
     }
     const int facets = base.kind == ConeBase::Kind::Polygon ? static_cast<int>(base.corners.size()) : options_.facets;
