@@ -129,6 +129,10 @@ TEXELS at_texels(MapPoint at, float z_ls, ivec2 base) {
 TEXELS alpha_of(MapPoint at, float bias, TEXELS reference, TEXELS stored, ivec2 base, TEXELS alpha) {
 #if !SMOOTHIES
     return TEXELS(1.0);
+#elif STORED == 0 && BIAS_MODE != 3 && !MAP_ORTHOGRAPHIC
+    // near / z > stored without the quotient
+    TEXELS near_m = TEXELS(MAP_FACE(at.face).range_m.x);
+    return choose(alpha, TEXELS(1.0), more(near_m, stored * (at.z_ls + bias)));
 #elif STORED == 0
     return choose(alpha, TEXELS(1.0), more(at_texels(at, at.z_ls + bias, base), stored));
 #elif STORED == 1
