@@ -445,6 +445,46 @@ def _debug(arguments: argparse.Namespace) -> int:
     return errors.OK
 
 
+# --- bake ------------------------------------------------------------------------------------------------------------
+
+
+def _bake_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", nargs="?" if _inside_blender() else None, type=Path, metavar="SCENE")
+    parser.add_argument(
+        "--technique", default="plateaus", metavar="ID", help="one that makes textures; the default: plateaus"
+    )
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting; may be repeated")
+    parser.add_argument("--light", type=_names, default=(), dest="lights", metavar="all|NAME,..", help="default: all")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for images, planes.json and .obj"
+    )
+    parser.add_argument("--format", choices=("png", "exr"), default="png", help="8 bits, or float; default: png")
+    _view_arguments(parser)
+
+
+@command("bake", "save the shadow on each plane as a texture with its place and UVs", _bake_arguments)
+def _bake(arguments: argparse.Namespace) -> int:
+    from . import bake, compare, native
+    from .files import why_not_writable
+    from .progress import Progress
+
+    if arguments.scene is not None:
+        _check_exists(arguments.scene)
+    _check_folder(arguments.out, why_not_writable(arguments.out))
+    core = native.load()
+    settings = _settings_of(core, arguments.technique, arguments.set)
+    renderer = _renderer(core, arguments.device)
+    export = _read(core, arguments.scene, arguments)
+    with Progress(1.0 + 2.0 * len(export.lights)) as progress, compare.core_errors(core):
+        lights = compare.choose_lights(list(export.lights), arguments.lights)
+        textures = bake.bake(renderer, export, arguments.technique, settings, lights, progress)
+        written = bake.write(textures, arguments.out, f".{arguments.format}")
+        progress.finish()
+    for path in written:
+        print(path)
+    return errors.OK
+
+
 def _settings_of(core: Any, technique: str, texts: Sequence[str]) -> dict[str, Any]:
     """KEY=VALUE texts as checked settings of one technique. @raises UserError"""
     from . import compare

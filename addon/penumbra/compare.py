@@ -107,7 +107,7 @@ def parse_setting(infos: list[dict[str, Any]], text: str) -> tuple[str, str, Val
 def _parse_value(name: str, setting: dict[str, Any], text: str) -> Value:
     kind = setting["type"]
     if kind == "choice":
-        if text not in setting["choices"]:
+        if setting["choices"] and text not in setting["choices"]:  # no choices: any name
             raise unknown(f"value of {name}", text, setting["choices"])
         return text
     if kind == "bool":

@@ -23,7 +23,7 @@ def _setting(technique: str, setting: dict[str, Any]) -> str:
     if setting["type"] == "bool":
         allowed, default = "on, off", "on" if default else "off"
     elif setting["type"] == "choice":
-        allowed = ", ".join(setting["choices"])
+        allowed = ", ".join(setting["choices"]) or "any name"
     else:
         allowed = f"{setting['minimum']:g} to {setting['maximum']:g}"
         default = f"{default:g}" if isinstance(default, float) else default

@@ -88,8 +88,10 @@ bool lies_on(const SeenTriangle& triangle, const PlanarReceiver& plane, double t
 }
 
 /// The fullest cells first; equal ones in the order of their triangles, so that the result does not hang on a map's.
-std::vector<Cell> fullest_cells(const std::vector<SeenTriangle>& triangles, const glm::dvec3& anchor_ws,
-                                double tolerance_m, std::size_t most) {
+std::vector<Cell> fullest_cells(const Scene& scene, const std::vector<SeenTriangle>& triangles,
+                                const glm::dvec3& anchor_ws, const PlanarReceiverOptions& options, std::size_t most) {
+    const std::string& only = options.only;
+    const double tolerance_m = options.tolerance_m;
     using Key = std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t>;
     std::map<Key, Cell> cells;
     // Half a cell off, so that the axis-parallel planes of most scenes do not lie on a boundary between two cells.
@@ -97,7 +99,7 @@ std::vector<Cell> fullest_cells(const std::vector<SeenTriangle>& triangles, cons
     const double offset_cell = std::max(8.0 * tolerance_m, 1e-300);
     for (std::uint32_t i = 0; i < triangles.size(); ++i) {
         const SeenTriangle& t = triangles[i];
-        if (t.pixels == 0 || !(t.area > 0.0)) {
+        if (t.pixels == 0 || !(t.area > 0.0) || (!only.empty() && scene.instances[t.instance].name != only)) {
             continue;
         }
         const double offset = glm::dot(t.corners_ws[0] - anchor_ws, t.normal) / offset_cell;
@@ -201,11 +203,8 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
     }
     const auto most = static_cast<std::size_t>(std::clamp(options.most, 0, 15));
     constexpr std::size_t kSeedsPerPlane = 16;  // 15 planes: fewer seeds than kNone
-    for (const Cell& cell : fullest_cells(seen.triangles, view.eye_ws, options.tolerance_m, kSeedsPerPlane * most)) {
+    for (const Cell& cell : fullest_cells(scene, seen.triangles, view.eye_ws, options, kSeedsPerPlane * most)) {
         const SeenTriangle& seed = seen.triangles[cell.largest];
-        if (!options.only.empty() && scene.instances[seed.instance].name != options.only) {
-            continue;
-        }
         if (std::any_of(found.planes.begin(), found.planes.end(),
                         [&](const PlanarReceiver& plane) { return lies_on(seed, plane, options.tolerance_m); })) {
             continue;
