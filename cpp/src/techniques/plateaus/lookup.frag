@@ -68,10 +68,9 @@ float on_plane(vec2 p, int plane) {
 
 #if REST && HEIGHTS
 float decoded(ivec2 texel, int plane, float height, float ratio_light) {
-    PlateauPlane of = plateaus.planes[plane];
-    float bits = texelFetch(darkest, ivec3(clamp(texel, ivec2(0), of.size.xy - 1), plane), 0).r;
+    float bits = texelFetch(darkest, ivec3(clamp(texel, ivec2(0), plateaus.planes[plane].size.xy - 1), plane), 0).r;
     float lambda = floor(bits / 4096.0);
-    float caster = (1.0 - (bits - 4096.0 * lambda) / 4095.0) * of.heights.y;
+    float caster = (1.0 - (bits - 4096.0 * lambda) / 4095.0) * plateaus.planes[plane].heights.y;
     // The penumbra of a caster at height h is narrower at height z by (1 - z/h) / (1 - z/H): nothing above the caster.
 #if NARROW
     float ratio = (1.0 - height / max(caster, 1e-30)) / ratio_light;
@@ -86,15 +85,18 @@ float off_planes(vec3 p_rel) {
     float nearest = 1e30;
     float v = 1.0;
     for (int i = 0; i < plateaus.counts.x; ++i) {
-        PlateauPlane plane = plateaus.planes[i];
-        vec3 p = vec3(dot(plane.x_from_rel.xyz, p_rel) + plane.x_from_rel.w,
-                      dot(plane.y_from_rel.xyz, p_rel) + plane.y_from_rel.w,
-                      dot(plane.h_from_rel.xyz, p_rel) + plane.h_from_rel.w);
-        float left = 1.0 - plane.light.w * p.z / plane.light.z;
-        vec2 s = p.xy + (plane.light.w * p.xy - plane.light.xy) * (p.z / plane.light.z) / max(left, 1e-6);
-        vec2 at = (s - plane.window.xy) * plane.window.w;
-        bool meets = left > 1e-3 && p.z > -plane.heights.x && all(greaterThanEqual(at, vec2(0.0))) &&
-                     all(lessThanEqual(at, vec2(plane.size.xy)));
+        vec4 x_from_rel = plateaus.planes[i].x_from_rel;
+        vec4 y_from_rel = plateaus.planes[i].y_from_rel;
+        vec4 h_from_rel = plateaus.planes[i].h_from_rel;
+        vec4 light = plateaus.planes[i].light;
+        vec4 window = plateaus.planes[i].window;
+        vec3 p = vec3(dot(x_from_rel.xyz, p_rel) + x_from_rel.w, dot(y_from_rel.xyz, p_rel) + y_from_rel.w,
+                      dot(h_from_rel.xyz, p_rel) + h_from_rel.w);
+        float left = 1.0 - light.w * p.z / light.z;
+        vec2 s = p.xy + (light.w * p.xy - light.xy) * (p.z / light.z) / max(left, 1e-6);
+        vec2 at = (s - window.xy) * window.w;
+        bool meets = left > 1e-3 && p.z > -plateaus.planes[i].heights.x && all(greaterThanEqual(at, vec2(0.0))) &&
+                     all(lessThanEqual(at, vec2(plateaus.planes[i].size.xy)));
         float distance = length(vec3(s - p.xy, p.z));
         if (meets && distance < nearest) {
             nearest = distance;

@@ -558,8 +558,9 @@ void Plateaus::draw_primitives(Frame& frame, std::size_t plane) {
     };
     const bool silhouettes = edges_ == EdgeChoice::Silhouettes;
     if (sheets_ == Sheets::Envelope) {
-        // A round light's penumbra lies in sheets and corner sectors; others need all that the light sweeps.
-        const bool tight = silhouettes && light_.gauge == PlateauLight::Gauge::Disc && !both_sides_;
+        // Around an outline a penumbra lies in the sheets of its edges and the sectors of its corners. Without corners,
+        // and on the inner side, it takes all that the light's image sweeps.
+        const bool tight = silhouettes && !both_sides_;
         draw_edges(frame, plane, part(tight ? 0 : 1, 0, 0), tight ? 15 : 6);
     } else {
         const bool fans = fans_ || !silhouettes;

@@ -1,7 +1,7 @@
 // The plateau's slopes: for each silhouette edge the sheet over it and the cone of its first vertex, drawn tightly.
 //
-// Bounds are made in "circle space": the plane scaled so that the light's image there is a circle of radius sigma (for
-// shapes that are not round, the circle around them), from the middle of the edge, x along it, y to its outer side.
+// Bounds are made in "circle space": light coordinates laid onto the plane, so that the light's image there is its shape
+// times sigma, a circle for round lights; from the middle of the edge, x along it, y to its outer side.
 //
 // PART: 0 sheet (vertices 0 .. 5) and cone (6 .. 14): what is nearest to the edge or to the corner, and a little more.
 //         FIRST_VERTEX and PER_EDGE choose one of them, or both
@@ -42,6 +42,15 @@ bool clip(inout vec3 a, inout vec3 b) {
         b = from + d * (((b.z < low ? low : high) - from.z) / d.z);
     }
     return true;
+}
+
+// Where the light's image (its shape, point-reflected) reaches farthest in a direction, in units of sigma.
+vec2 footprint(vec2 n) {
+    return -support(-n);
+}
+
+vec2 turned(vec2 n, float angle) {
+    return vec2(cos(angle) * n.x - sin(angle) * n.y, sin(angle) * n.x + cos(angle) * n.y);
 }
 
 struct Corner {
@@ -119,6 +128,7 @@ void main() {
 #else
     float reach = 1.0;
 #endif
+    float circumscribed = reach;
 #if FRAME != 0
     float rim = reach * length(vec2(half_u.z, half_v.z));
     float above = PLANE.light.z - PLANE.light.w * max(a.z, b.z);
@@ -152,6 +162,33 @@ void main() {
         float side = sqrt(max(1.0 - g * g, 0.36));
         float y0 = lean ? max(r0 - g * x0, 0.0) / side : widest;
         float y1 = lean ? max(r0 - g * x1, 0.0) / side : widest;
+        float foot0 = x0;
+        float foot1 = x1;
+#if GAUGE != 0 && PART == 0
+        if (lean) {
+            // Touched with its support point for the edge's normal, the shape sweeps a slanted strip; unequal ends lean
+            // the normal towards the smaller one.
+            float stretch = reach / circumscribed;
+            float top = 0.0;
+            float slope0 = kFar;
+            float slope1 = -kFar;
+            for (int i = 0; i < 4; ++i) {
+                vec2 n = turned((i & 1) == 0 ? m : g * e + side * m, (i & 2) == 0 ? kMargin : -kMargin);
+                vec2 c = footprint(n);
+                float up = max(dot(c, m), 1e-6);
+                top = max(top, up);
+                slope0 = min(slope0, dot(c, e) / up);
+                slope1 = max(slope1, dot(c, e) / up);
+            }
+            top *= stretch * max(scales.x, scales.y) * (1.0 + kMargin);
+            foot0 = -margin;
+            foot1 = len + margin;
+            y0 = top;
+            y1 = top;
+            x0 = foot0 + slope0 * top;
+            x1 = foot1 + slope1 * top;
+        }
+#endif
         // One texel over the hard edge, so that no pixel falls between sheet and umbra.
         float inner = -texel;
         bool right = k == 1 || k == 2 || k == 4;
@@ -160,7 +197,11 @@ void main() {
 #if SIDES == 2
         inner = -y;
 #endif
+#if PART == 0
+        at = far ? (right ? x1 : x0) * e + (y + texel) * m : (right ? foot1 : foot0) * e + inner * m;
+#else
         at = (right ? x1 : x0) * e + (far ? y + texel : inner) * m;
+#endif
 #if PART == 0
     } else {
         // Three triangles around the sector that the two edges leave of the cone.
@@ -191,8 +232,13 @@ void main() {
         float third = (to - from) / 3.0;
         int corner_index = (k - 6) % 3;
         float angle = from + third * float((k - 6) / 3 + (corner_index == 2 ? 1 : 0));
-        float radius = corner_index == 0 ? 0.0 : r0 * (1.0 + kMargin) / cos(0.5 * third) + texel;
-        at = radius * (cos(angle) * zero + sin(angle) * right_of(zero));
+        vec2 direction = cos(angle) * zero + sin(angle) * right_of(zero);
+#if GAUGE == 0
+        vec2 border = r0 * direction;
+#else
+        vec2 border = r0 / circumscribed * footprint(direction);
+#endif
+        at = corner_index == 0 ? vec2(0.0) : border * ((1.0 + kMargin) / cos(0.5 * third)) + texel * direction;
         ends.zw = ends.xy;
         scales.yw = scales.xz;
 #endif
