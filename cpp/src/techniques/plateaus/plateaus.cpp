@@ -99,8 +99,9 @@ std::vector<SettingInfo> plateau_settings() {
         number("hither", "Hither", "", "Depth of the umbra, where depth is stored.", 0.0, 0.0, 0.9),
         number("yon", "Yon", "", "Depth of full light, where depth is stored.", 1.0, 0.1, 1.0),
         choice("off_planes", "Off planes",
-               "Receivers on no plane: narrowed by their height, projected as they are, or hard.", "narrowed",
-               {"narrowed", "projected", "hard"}),
+               "Receivers on no plane: hard; or slopes of the plane behind them, narrowed by their height, or as "
+               "projected.",
+               "hard", {"hard", "narrowed", "projected"}),
     };
     for (SettingInfo& setting : map_settings("slope", true)) {
         setting.sweep.clear();  // of the depth map, which only receivers off the planes see
@@ -237,6 +238,10 @@ Verdict Plateaus::supports(const Light& /*light*/) const {
 
 bool Plateaus::slopes_off_planes(const Layout& layout) const noexcept {
     return layout.map && !layout.hard && soft_off_planes_ && store_ != Store::Depth && !layout.blocks.empty();
+}
+
+bool Plateaus::skips_umbra() const noexcept {
+    return store_ != Store::Depth && !both_sides_ && !slopes_off_planes(layout_);
 }
 
 Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
@@ -433,6 +438,8 @@ void Plateaus::prepare(Frame& frame) {
     darkest_ = slopes_off_planes(layout_)
                    ? TextureImage::make_array(GL_R32F, width, height, layers, "heights of the darkest casters")
                    : TextureImage{};
+    umbra_depth_ =
+        skips_umbra() ? TextureImage::make_2d(GL_DEPTH_COMPONENT16, width, height, "umbra of a plane") : TextureImage{};
     umbra_targets_.clear();
     slope_targets_.clear();
     for (int layer = 0; layer < layers; ++layer) {
@@ -443,6 +450,9 @@ void Plateaus::prepare(Frame& frame) {
                 target->attach_depth(slopes_, layer);
             } else {
                 target->attach_colour(0, slopes_, layer);
+            }
+            if (umbra_depth_) {
+                target->attach_depth(umbra_depth_);
             }
         }
         if (both_sides_) {
@@ -486,6 +496,12 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane) {
     } else {
         glDisable(GL_DEPTH_TEST);
         glDepthMask(GL_FALSE);
+        if (umbra_depth_) {
+            glEnable(GL_DEPTH_TEST);
+            glDepthMask(GL_TRUE);
+            glDepthFunc(GL_ALWAYS);
+            target.clear_depth(1.0F);
+        }
         target.clear_colour(0, glm::vec4{1.0F});
         if (both_sides_) {
             target.clear_colour(1, glm::vec4{1.0F});
@@ -593,7 +609,12 @@ void Plateaus::draw_slopes(Frame& frame, std::size_t plane) {
         glDepthMask(GL_TRUE);
         glDepthFunc(GL_LESS);
     } else {
-        glDisable(GL_DEPTH_TEST);
+        if (umbra_depth_) {
+            glEnable(GL_DEPTH_TEST);
+            glDepthFunc(GL_LESS);
+        } else {
+            glDisable(GL_DEPTH_TEST);
+        }
         glDepthMask(GL_FALSE);
         glEnable(GL_BLEND);
         glBlendEquation(GL_MIN);
@@ -670,7 +691,7 @@ void Plateaus::resolve(Frame& frame) {
 
 std::size_t Plateaus::memory_bytes() const noexcept {
     std::size_t bytes = map_.bytes() + silhouettes_.bytes() + mailboxes_.bytes() + first_box_.bytes();
-    for (const TextureImage* texture : {&slopes_, &umbra_, &darkest_, &plane_of_pixel_}) {
+    for (const TextureImage* texture : {&slopes_, &umbra_, &umbra_depth_, &darkest_, &plane_of_pixel_}) {
         bytes += *texture ? texture->bytes() : 0;
     }
     return bytes;

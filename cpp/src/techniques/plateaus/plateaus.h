@@ -46,6 +46,8 @@ private:
     [[nodiscard]] Layout lay_out(const LightSummary& summary) const;
     [[nodiscard]] std::string step_of(const Layout& layout, std::size_t plane) const;
     [[nodiscard]] bool slopes_off_planes(const Layout& layout) const noexcept;
+    /// Slopes inside the hard shadow are read by nobody.
+    [[nodiscard]] bool skips_umbra() const noexcept;
     [[nodiscard]] Defines defines(std::size_t plane) const;
     [[nodiscard]] const Program& lookup(Frame& frame) const;
     void draw_umbra(Frame& frame, std::size_t plane);
@@ -79,6 +81,7 @@ private:
     Layout layout_;
     PlateauLight light_;
     StorageBuffer instances_, block_, mailboxes_, first_box_;
+    TextureImage umbra_depth_;  ///< 0 in the hard shadow, so that slopes are not even computed there
     TextureImage slopes_, umbra_, darkest_, plane_of_pixel_;
     std::vector<RenderTarget> umbra_targets_, slope_targets_;
 };

@@ -283,5 +283,5 @@ void main() {
     vec2 p = s0 + plane_from_circle * at;
     vec2 clip_xy = 2.0 * (p - PLANE.window.xy) * PLANE.window.w / vec2(PLANE.size.xy) - 1.0;
     // Far outside of the window nothing is lost by holding coordinates within what the rasteriser takes.
-    gl_Position = drawn ? vec4(clip_xy, 0.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+    gl_Position = drawn ? vec4(clip_xy, 0.5, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
 }
