@@ -256,6 +256,29 @@ class Renderer:
         """
         device: "" (automatic), an index, or part of a renderer's name. Raises DeviceError.
         """
+    def bake(
+        self,
+        light: typing.SupportsInt | typing.SupportsIndex,
+        technique: str,
+        settings: dict = {},
+        progress: typing.Any = None,
+    ) -> list:
+        """
+        The technique's textures of V on surfaces: {name, visibility (h, w) float32, corners_ws: world positions
+        of the image's corners at the UVs (0, 0), (1, 0), (1, 1), (0, 1)}; empty if it makes none.
+        """
+    def debug_images(
+        self,
+        light: typing.SupportsInt | typing.SupportsIndex,
+        technique: str,
+        settings: dict = {},
+        views: collections.abc.Sequence[str] = [],
+        progress: typing.Any = None,
+    ) -> list:
+        """
+        Pictures of the technique's inside: {id, title, caption, rgb (h, w, 3) float32, display values 0 .. 1}.
+        views: ids, default all that the plan offers.
+        """
     def irradiance(
         self, light: typing.SupportsInt | typing.SupportsIndex, progress: typing.Any = None
     ) -> numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]:
