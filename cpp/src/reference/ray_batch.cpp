@@ -36,9 +36,6 @@ void RayBatch::append_to_stream() noexcept {
 void RayBatch::trace() noexcept {
     if (streams_) {
         scene_.occluded_stream(rays_.data(), static_cast<unsigned>(count_));
-        for (int i = 0; i < count_; ++i) {
-            seen_[i] = rays_[i].tfar >= 0.0F ? 1U : 0U;
-        }
     } else {
         for (int p = 0; p < packet_count_; ++p) {
             const int lanes = std::min(kRayLanes, count_ - p * kRayLanes);
@@ -47,9 +44,6 @@ void RayBatch::trace() noexcept {
                 valid[i] = i < lanes ? -1 : 0;
             }
             scene_.occluded(valid.data(), packets_[p]);
-            for (int i = 0; i < kRayLanes; ++i) {
-                seen_[p * kRayLanes + i] = packets_[p].tfar[i] >= 0.0F ? 1U : 0U;
-            }
         }
     }
     packet_count_ = 0;

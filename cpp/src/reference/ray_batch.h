@@ -33,10 +33,13 @@ public:
     [[nodiscard]] bool full() const noexcept { return packet_count_ == kPackets; }
     [[nodiscard]] int count() const noexcept { return count_; }
 
-    /// Casts what was added and empties the batch; seen() is valid until the next trace().
+    /// Casts what was added and empties the batch; seen() is valid until next() is written to.
     void trace() noexcept;
     /// 1 if the i-th ray got through, else 0.
-    [[nodiscard]] std::uint32_t seen(int i) const noexcept { return seen_[i]; }
+    [[nodiscard]] std::uint32_t seen(int i) const noexcept {
+        const float tfar = streams_ ? rays_[i].tfar : packets_[i / kRayLanes].tfar[i % kRayLanes];
+        return tfar >= 0.0F ? 1U : 0U;
+    }
 
 private:
     void append_to_stream() noexcept;
@@ -48,7 +51,6 @@ private:
     // One of the two is in use. Streams are filled packet by packet, so they need room for one packet only.
     alignas(64) std::array<RayPacket, kPackets> packets_;
     alignas(64) std::array<embree::Ray, kCapacity> rays_;
-    alignas(64) std::array<std::uint32_t, kCapacity> seen_{};
 };
 
 }  // namespace penumbra

@@ -179,7 +179,7 @@ private:
 
 /// Pixels of a piece of parallel work: few rays per pixel make large pieces, many rays a single tile.
 std::int64_t tiles_per_piece(int rays_per_pixel) noexcept {
-    return std::clamp(16 / rays_per_pixel, 1, 8);
+    return std::clamp(16 / rays_per_pixel, 1, 16);
 }
 
 }  // namespace
@@ -213,9 +213,11 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene& /*scene*/, con
             std::uint64_t cast_here = 0;
             for (std::int64_t tile = begin; tile < end; ++tile) {
                 control.check();
-                tiles.fill(visibility, tile, 1.0F);
                 tiles.collect(mask, tile, receivers);
                 tiles.prefetch(tile + 1);
+                if (receivers.count() < TileReceivers::kCapacity) {
+                    tiles.fill(visibility, tile, 1.0F);
+                }
                 cast_here += static_cast<std::uint64_t>(receivers.count()) * static_cast<std::uint64_t>(first_count);
                 if (count == 1) {
                     tracer.trace_one(receivers, first, visibility);
