@@ -1,22 +1,24 @@
 #include "geometry/planar_receivers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 namespace penumbra {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double kSameTurn = 0.999;  ///< cosine between normals of one plane: tolerance is in metres, not in degrees
 constexpr int kTurns = 16;           ///< directions tried for a small rectangle
 
 /// A triangle that some pixel sees, on one of its sides.
 struct SeenTriangle {
-    glm::dvec3 corners_ws[3];
+    std::array<glm::dvec3, 3> corners_ws;
     glm::dvec3 normal{0.0};  ///< unit, towards the side that is seen
     double area = 0.0;
     std::uint32_t instance = 0;
@@ -83,8 +85,8 @@ bool lies_on(const SeenTriangle& triangle, const PlanarReceiver& plane, double t
     if (glm::dot(triangle.normal, plane.normal) < kSameTurn) {
         return false;
     }
-    return std::all_of(std::begin(triangle.corners_ws), std::end(triangle.corners_ws),
-                       [&](const glm::dvec3& p) { return std::abs(plane.height(p)) <= tolerance_m; });
+    return std::ranges::all_of(triangle.corners_ws,
+                               [&](const glm::dvec3& p) { return std::abs(plane.height(p)) <= tolerance_m; });
 }
 
 /// The fullest cells first; equal ones in the order of their triangles, so that the result does not hang on a map's.
@@ -118,7 +120,7 @@ std::vector<Cell> fullest_cells(const Scene& scene, const std::vector<SeenTriang
     for (const auto& [key, cell] : cells) {
         all.push_back(cell);
     }
-    std::sort(all.begin(), all.end(), [](const Cell& a, const Cell& b) {
+    std::ranges::sort(all, [](const Cell& a, const Cell& b) {
         return a.pixels != b.pixels ? a.pixels > b.pixels : a.largest < b.largest;
     });
     all.resize(std::min(all.size(), most));
@@ -129,7 +131,7 @@ std::vector<Cell> fullest_cells(const Scene& scene, const std::vector<SeenTriang
 void add_whole(const Instance& instance, const PlanarReceiver& plane, double tolerance_m,
                std::vector<glm::dvec2>& points) {
     for (const glm::uvec3& t : instance.mesh->triangles) {
-        glm::dvec3 offsets[3];
+        std::array<glm::dvec3, 3> offsets{};
         bool on = true;
         for (int k = 0; k < 3; ++k) {
             const glm::dvec4 local{instance.mesh->positions_local[t[k]], 1.0};
@@ -161,11 +163,13 @@ void choose_axes(PlanarReceiver& plane, const glm::dmat4& world_from_camera) {
 void fit_rectangle(PlanarReceiver& plane, const std::vector<glm::dvec2>& points) {
     double least = std::numeric_limits<double>::infinity();
     int best = 0;
-    glm::dvec2 best_low{0.0}, best_high{0.0};
+    glm::dvec2 best_low{0.0};
+    glm::dvec2 best_high{0.0};
     for (int turn = 0; turn < kTurns; ++turn) {
         const double angle = 0.5 * kPi * turn / kTurns;
         const glm::dvec2 x{std::cos(angle), std::sin(angle)};
-        glm::dvec2 low{std::numeric_limits<double>::infinity()}, high{-low};
+        glm::dvec2 low{std::numeric_limits<double>::infinity()};
+        glm::dvec2 high{-low};
         for (const glm::dvec2& p : points) {
             const glm::dvec2 q{glm::dot(p, x), x.x * p.y - x.y * p.x};
             low = glm::min(low, q);
@@ -205,8 +209,8 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
     constexpr std::size_t kSeedsPerPlane = 16;  // 15 planes: fewer seeds than kNone
     for (const Cell& cell : fullest_cells(scene, seen.triangles, view.eye_ws, options, kSeedsPerPlane * most)) {
         const SeenTriangle& seed = seen.triangles[cell.largest];
-        if (std::any_of(found.planes.begin(), found.planes.end(),
-                        [&](const PlanarReceiver& plane) { return lies_on(seed, plane, options.tolerance_m); })) {
+        if (std::ranges::any_of(
+                found.planes, [&](const PlanarReceiver& plane) { return lies_on(seed, plane, options.tolerance_m); })) {
             continue;
         }
         PlanarReceiver plane;
@@ -233,8 +237,8 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
             order.push_back(static_cast<std::uint8_t>(p));
         }
     }
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint8_t a, std::uint8_t b) { return found.planes[a].pixels > found.planes[b].pixels; });
+    std::ranges::stable_sort(
+        order, [&](std::uint8_t a, std::uint8_t b) { return found.planes[a].pixels > found.planes[b].pixels; });
     order.resize(std::min(order.size(), most));
     std::vector<std::uint8_t> renumbered(found.planes.size(), PlanarReceivers::kNone);
     std::vector<PlanarReceiver> kept;
@@ -243,8 +247,8 @@ PlanarReceivers find_planar_receivers(const Scene& scene, const View& view, std:
         const auto& by_instance = pixels_by_instance[p];
         found.planes[p].name =
             scene
-                .instances[std::max_element(by_instance.begin(), by_instance.end(),
-                                            [](const auto& a, const auto& b) { return a.second < b.second; })
+                .instances[std::ranges::max_element(by_instance,
+                                                    [](const auto& a, const auto& b) { return a.second < b.second; })
                                ->first]
                 .name;
         kept.push_back(std::move(found.planes[p]));

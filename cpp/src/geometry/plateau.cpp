@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace penumbra::plateau {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostCells = 32;
 
@@ -27,8 +28,8 @@ glm::dvec2 support(const RoundedBox& shape, const glm::dvec2& n) noexcept {
     return shape.core * glm::sign(n) + (length > 0.0 ? shape.radius / length * n : glm::dvec2{0.0});
 }
 glm::dvec2 support(std::span<const glm::dvec2> corners, const glm::dvec2& n) noexcept {
-    return *std::max_element(corners.begin(), corners.end(),
-                             [&](const glm::dvec2& a, const glm::dvec2& b) { return glm::dot(a, n) < glm::dot(b, n); });
+    return *std::ranges::max_element(
+        corners, [&](const glm::dvec2& a, const glm::dvec2& b) { return glm::dot(a, n) < glm::dot(b, n); });
 }
 
 /// The growing shape touches the line through a and b in its support point against the line's normal; if that lies
@@ -66,7 +67,8 @@ double segment_gauge(const Shape& shape, glm::dvec3 a, glm::dvec3 b) noexcept {
     const double lambda = std::abs(line.z) / reach;
     // Homogeneous parameter of the touching point: T x (a + t (b - a)) = 0 in each coordinate; the larger one decides.
     const glm::dvec3 touch{lambda * corner, 1.0};
-    const glm::dvec3 from = glm::cross(touch, a), to = glm::cross(touch, b);
+    const glm::dvec3 from = glm::cross(touch, a);
+    const glm::dvec3 to = glm::cross(touch, b);
     return glm::dot(from, to) <= 0.0 ? std::min(least, lambda) : least;
 }
 
@@ -89,8 +91,10 @@ double disc_cut(double xi) noexcept {
 double square_cut(double xi, const glm::dvec2& normal) noexcept {
     const glm::dvec2 n = glm::abs(normal) / (std::abs(normal.x) + std::abs(normal.y));
     // Convolution of two boxes of half widths n.x and n.y; its integral up to x, from the symmetric side.
-    const double low = std::min(n.x, n.y), high = std::max(n.x, n.y);
-    const double x = std::clamp(xi, -1.0, 1.0), rest = 1.0 - std::abs(x);
+    const double low = std::min(n.x, n.y);
+    const double high = std::max(n.x, n.y);
+    const double x = std::clamp(xi, -1.0, 1.0);
+    const double rest = 1.0 - std::abs(x);
     const double outside = rest < 2.0 * low ? rest * rest / (8.0 * low * high) : (rest - low) / (2.0 * high);
     return x < 0.0 ? outside : 1.0 - outside;
 }
@@ -100,11 +104,14 @@ double polygon_cut(double xi, const glm::dvec2& normal, std::span<const glm::dve
     for (const glm::dvec2& c : corners) {
         reach = std::max(reach, glm::dot(c, normal));
     }
-    double kept = 0.0, whole = 0.0;
+    double kept = 0.0;
+    double whole = 0.0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        glm::dvec2 a = corners[i], b = corners[(i + 1) % corners.size()];
+        glm::dvec2 a = corners[i];
+        glm::dvec2 b = corners[(i + 1) % corners.size()];
         whole += cross(a, b);
-        const double da = glm::dot(a, normal) - xi * reach, db = glm::dot(b, normal) - xi * reach;
+        const double da = glm::dot(a, normal) - xi * reach;
+        const double db = glm::dot(b, normal) - xi * reach;
         // Relative to a point of the cut, so that the cut itself adds nothing.
         const glm::dvec2 on = normal * (xi * reach / glm::dot(normal, normal));
         if (da > 0.0 && db > 0.0) {
@@ -139,7 +146,8 @@ double falloff(Falloff kind, double lambda) noexcept {
 
 std::optional<Tangent> outer_tangent(const Circles& circles) noexcept {
     const glm::dvec2 d = circles.s1 - circles.s0;
-    const double d2 = glm::dot(d, d), dr = circles.r0 - circles.r1;
+    const double d2 = glm::dot(d, d);
+    const double dr = circles.r0 - circles.r1;
     if (d2 <= dr * dr * (1.0 + 1e-6)) {
         return std::nullopt;
     }
@@ -153,26 +161,31 @@ std::optional<Tangent> outer_tangent(const Circles& circles) noexcept {
 
 double envelope(const glm::dvec2& p, const Circles& circles) noexcept {
     // Least |s + t d| / (r + t e) over t in [0, 1]: the derivative is linear in t, and nothing is divided by a radius.
-    const glm::dvec2 s = circles.s0 - p, d = circles.s1 - circles.s0;
-    const double r = circles.r0, e = circles.r1 - circles.r0;
+    const glm::dvec2 s = circles.s0 - p;
+    const glm::dvec2 d = circles.s1 - circles.s0;
+    const double r = circles.r0;
+    const double e = circles.r1 - circles.r0;
     const double numerator = e * glm::dot(s, s) - r * glm::dot(s, d);
     const double denominator = r * glm::dot(d, d) - e * glm::dot(s, d);
     // A maximum or none: the larger circle holds the smaller one.
     const double t = denominator > 0.0 ? std::clamp(numerator / denominator, 0.0, 1.0) : (e > 0.0 ? 1.0 : 0.0);
-    const double distance = glm::length(s + t * d), radius = r + t * e;
+    const double distance = glm::length(s + t * d);
+    const double radius = r + t * e;
     return radius > 0.0 ? distance / radius : (distance > 0.0 ? kInfinity : 0.0);
 }
 
 double bilinear(const glm::dvec2& p, const Circles& circles) noexcept {
     const glm::dvec2 d = circles.s1 - circles.s0;
-    const double length = glm::length(d), dr = circles.r0 - circles.r1;
+    const double length = glm::length(d);
+    const double dr = circles.r0 - circles.r1;
     if (length * length <= dr * dr * (1.0 + 1e-6)) {
         return kInfinity;
     }
     const glm::dvec2 e = d / length;
     const double g = dr / length;
     const double a = std::sqrt(std::max(0.0, (length - dr) * (length + dr))) / length;
-    const double x = glm::dot(p - circles.s0, e), y = glm::dot(p - circles.s0, right_of(e));
+    const double x = glm::dot(p - circles.s0, e);
+    const double y = glm::dot(p - circles.s0, right_of(e));
     const double bottom = (circles.r0 - g * x) * a + g * g * y;
     if (!(y >= 0.0 && bottom > 0.0)) {
         return kInfinity;
@@ -183,8 +196,10 @@ double bilinear(const glm::dvec2& p, const Circles& circles) noexcept {
 }
 
 double cell_error(double r0, double r1, int n) noexcept {
-    const double low = std::min(r0, r1), step = (std::max(r0, r1) - low) / n;
-    const double a = std::sqrt(low), b = std::sqrt(low + step);
+    const double low = std::min(r0, r1);
+    const double step = (std::max(r0, r1) - low) / n;
+    const double a = std::sqrt(low);
+    const double b = std::sqrt(low + step);
     return b > 0.0 ? (b - a) / (a + b) / n : 0.0;
 }
 
@@ -225,7 +240,8 @@ double gauge(const RoundedBox& shape, const glm::dvec2& x) noexcept {
         return side_y;
     }
     // On the rounded corner: |q - lambda core| = lambda radius.
-    const double q2 = glm::dot(q, q), along = glm::dot(q, shape.core);
+    const double q2 = glm::dot(q, q);
+    const double along = glm::dot(q, shape.core);
     const double quadratic = glm::dot(shape.core, shape.core) - shape.radius * shape.radius;
     const double root = along + std::sqrt(std::max(0.0, along * along - quadratic * q2));
     return root > 0.0 ? q2 / root : kInfinity;
@@ -248,7 +264,8 @@ double gauge(std::span<const glm::dvec2> corners, const glm::dvec3& a, const glm
 }
 
 std::optional<Ellipse> ball_image(double height_m, double zenith_rad, double alpha_rad) noexcept {
-    const double cosine = std::cos(zenith_rad), sine = std::sin(alpha_rad);
+    const double cosine = std::cos(zenith_rad);
+    const double sine = std::sin(alpha_rad);
     const double q = cosine * cosine - sine * sine;
     if (!(q > 0.0 && cosine > 0.0)) {
         return std::nullopt;
@@ -273,7 +290,8 @@ std::optional<Tangent> outer_tangent(const glm::dvec2& c0, const glm::dmat2& q0,
         const glm::dvec2 n = normal_at(phi);
         return glm::dot(n, d) + reach(q1, n) - reach(q0, n);
     };
-    double low = 0.0, high = kPi;
+    double low = 0.0;
+    double high = kPi;
     if (!(value(low) > 0.0 && value(high) < 0.0)) {
         return std::nullopt;
     }

@@ -12,18 +12,24 @@ namespace penumbra {
 namespace {
 
 double distance_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
+    const glm::dvec3 ab = b - a;
+    const glm::dvec3 ac = c - a;
+    const glm::dvec3 ap = p - a;
     const auto to_segment = [&](const glm::dvec3& from, const glm::dvec3& to) {
         const glm::dvec3 d = to - from;
         const double squared = glm::dot(d, d);
         const double t = squared > 0.0 ? std::clamp(glm::dot(p - from, d) / squared, 0.0, 1.0) : 0.0;
         return glm::length(p - from - t * d);
     };
-    const double d00 = glm::dot(ab, ab), d01 = glm::dot(ab, ac), d11 = glm::dot(ac, ac);
+    const double d00 = glm::dot(ab, ab);
+    const double d01 = glm::dot(ab, ac);
+    const double d11 = glm::dot(ac, ac);
     const double determinant = d00 * d11 - d01 * d01;
     if (determinant > 0.0) {
-        const double d20 = glm::dot(ap, ab), d21 = glm::dot(ap, ac);
-        const double v = (d11 * d20 - d01 * d21) / determinant, w = (d00 * d21 - d01 * d20) / determinant;
+        const double d20 = glm::dot(ap, ab);
+        const double d21 = glm::dot(ap, ac);
+        const double v = (d11 * d20 - d01 * d21) / determinant;
+        const double w = (d00 * d21 - d01 * d20) / determinant;
         if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) {
             return glm::length(ap - v * ab - w * ac);
         }
@@ -102,7 +108,9 @@ private:
     }
     [[nodiscard]] std::pair<glm::ivec3, glm::ivec3> cells_of(std::uint32_t triangle) const {
         const glm::uvec3 t = triangles_[triangle];
-        const glm::dvec3 a{positions_[t.x]}, b{positions_[t.y]}, c{positions_[t.z]};
+        const glm::dvec3 a{positions_[t.x]};
+        const glm::dvec3 b{positions_[t.y]};
+        const glm::dvec3 c{positions_[t.z]};
         return {cell_of(glm::min(a, glm::min(b, c))), cell_of(glm::max(a, glm::max(b, c)))};
     }
     [[nodiscard]] std::uint32_t index_of(const glm::ivec3& cell) const {
@@ -141,8 +149,9 @@ double deviation_between(const Mesh& full, const Mesh& reduced) {
     }
     const TriangleGrid of_full{full.positions_local, full.triangles};
     for (const glm::uvec3& t : reduced.triangles) {
-        const glm::dvec3 a{reduced.positions_local[t.x]}, b{reduced.positions_local[t.y]},
-            c{reduced.positions_local[t.z]};
+        const glm::dvec3 a{reduced.positions_local[t.x]};
+        const glm::dvec3 b{reduced.positions_local[t.y]};
+        const glm::dvec3 c{reduced.positions_local[t.z]};
         for (const glm::dvec3& p : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0}) {
             largest = std::max(largest, of_full.distance(p));
         }
@@ -163,7 +172,8 @@ SimplifiedMesh simplify(const std::shared_ptr<const Mesh>& mesh, std::size_t tri
     std::vector<unsigned> remap(mesh->positions_local.size());
     const std::size_t welded_count = meshopt_generateVertexRemap(remap.data(), indices, corner_count, positions,
                                                                  mesh->positions_local.size(), sizeof(glm::vec3));
-    std::vector<unsigned> welded(corner_count), kept(corner_count);
+    std::vector<unsigned> welded(corner_count);
+    std::vector<unsigned> kept(corner_count);
     std::vector<glm::vec3> points(welded_count);
     meshopt_remapIndexBuffer(welded.data(), indices, corner_count, remap.data());
     meshopt_remapVertexBuffer(points.data(), positions, mesh->positions_local.size(), sizeof(glm::vec3), remap.data());

@@ -226,7 +226,6 @@ std::string PenumbraMaps::too_narrow(const LightSummary& summary) const {
 
 Plan PenumbraMaps::plan(const LightSummary& summary) const {
     Plan plan;
-    Plan lookup_plan;
     if (!map_.plan(summary, kLookup, plan)) {
         return plan;
     }

@@ -10,7 +10,6 @@ namespace penumbra {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLowestCosine = 0.01;  ///< of the zenith angle: lower lights are left to the depth map
 
 double half_angle(const Light& sun) {
@@ -80,11 +79,12 @@ Shape shape_of(const PlanarReceiver& plane, const Light& light, const PlateauOpt
                 shape.corners.emplace_back(glm::dot(offset, shape.u) / reach, glm::dot(offset, shape.v) / reach);
             }
             for (std::size_t i = 0; i < shape.corners.size(); ++i) {
-                const glm::dvec2 &a = shape.corners[i], &b = shape.corners[(i + 1) % shape.corners.size()];
+                const glm::dvec2& a = shape.corners[i];
+                const glm::dvec2& b = shape.corners[(i + 1) % shape.corners.size()];
                 area += a.x * b.y - a.y * b.x;
             }
             if (area < 0.0) {
-                std::reverse(shape.corners.begin(), shape.corners.end());
+                std::ranges::reverse(shape.corners);
             }
             shape.u *= reach;
             shape.v *= reach;
@@ -93,7 +93,8 @@ Shape shape_of(const PlanarReceiver& plane, const Light& light, const PlateauOpt
     }
     // A light without width gets its second axis where receivers see it: across the line of sight.
     if (light.kind != LightKind::Polygon && light.kind != LightKind::Sun && shape.ball_m == 0.0) {
-        const double u = glm::length(shape.u), v = glm::length(shape.v);
+        const double u = glm::length(shape.u);
+        const double v = glm::length(shape.v);
         if (u < 1e-6 * v) {
             std::swap(shape.u, shape.v);
             std::swap(shape.box.core.x, shape.box.core.y);
@@ -111,7 +112,7 @@ Shape shape_of(const PlanarReceiver& plane, const Light& light, const PlateauOpt
         for (glm::dvec2& c : shape.corners) {
             c.y = -c.y;
         }
-        std::reverse(shape.corners.begin(), shape.corners.end());
+        std::ranges::reverse(shape.corners);
     }
     return shape;
 }

@@ -9,7 +9,7 @@ namespace penumbra {
 
 namespace gpu {
 #include "shared/plateau_block.h"
-static_assert(sizeof(PlateauPlane) == 16 * (12 + PENUMBRA_MAX_PLATEAU_CORNERS));
+static_assert(sizeof(PlateauPlane) == sizeof(vec4) * (12 + PENUMBRA_MAX_PLATEAU_CORNERS));
 static_assert(sizeof(PlateauBlock) == 32 + PENUMBRA_MAX_PLANES * sizeof(PlateauPlane));
 }  // namespace gpu
 

@@ -1,6 +1,7 @@
 #include "techniques/plateaus/plateaus.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/cone_base.h"
@@ -111,7 +112,7 @@ std::vector<SettingInfo> plateau_settings() {
 }
 
 int index_of(const std::vector<std::string>& names, const std::string& name) {
-    return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+    return static_cast<int>(std::ranges::find(names, name) - names.begin());
 }
 
 EdgeChoice edge_choice(const std::string& name) {
@@ -274,10 +275,12 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
 
     // Pixels off the planes look up where their light's ray goes on to: a little more of each plane for them.
     std::vector<plateau::PlaneLight> lights;
+    lights.reserve(receivers.planes.size());
     for (const PlanarReceiver& plane : receivers.planes) {
         lights.push_back(light_on(plane, light));
     }
-    std::vector<glm::dvec2> low, high;
+    std::vector<glm::dvec2> low;
+    std::vector<glm::dvec2> high;
     for (const PlanarReceiver& plane : receivers.planes) {
         low.push_back(plane.low_m);
         high.push_back(plane.high_m);
@@ -348,7 +351,7 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
     return layout;
 }
 
-std::string Plateaus::step_of(const Layout& layout, std::size_t plane) const {
+std::string Plateaus::step_of(const Layout& layout, std::size_t plane) {
     return "plateau " + std::to_string(plane + 1) + ", " + layout.receivers.planes[plane].name;
 }
 
@@ -423,7 +426,7 @@ void Plateaus::prepare(Frame& frame) {
     gpu::PlateauBlock block{};
     block.origin_cr = glm::vec4{glm::vec3{layout_.origin_ws - frame.summary().eye_ws}, 0.0F};
     block.counts.x = static_cast<int>(layout_.blocks.size());
-    std::copy(layout_.blocks.begin(), layout_.blocks.end(), block.planes);
+    std::ranges::copy(layout_.blocks, block.planes);
     block_.replace(std::span<const gpu::PlateauBlock>{&block, 1});
     static_cast<void>(lookup(frame));
     if (!frame.plan().runs("silhouettes")) {
@@ -431,7 +434,8 @@ void Plateaus::prepare(Frame& frame) {
     }
 
     const int layers = static_cast<int>(layout_.blocks.size());
-    const int width = layout_.width_px, height = layout_.height_px;
+    const int width = layout_.width_px;
+    const int height = layout_.height_px;
     const GLenum format = store_ == Store::Depth ? GL_DEPTH_COMPONENT16 : (store_ == Store::Byte ? GL_R8 : GL_R32F);
     slopes_ = TextureImage::make_array(format, width, height, layers, "plateaus");
     umbra_ = both_sides_ ? TextureImage::make_array(GL_R8, width, height, layers, "umbrae") : TextureImage{};
@@ -722,7 +726,7 @@ DebugImage Plateaus::debug_image(Frame& frame, std::string_view id) {
     if (id == "primitives") {
         return primitives_picture(frame);
     }
-    std::vector<BakedTexture> textures = bake(frame);
+    const std::vector<BakedTexture> textures = bake(frame);
     return side_by_side(textures, "V on each plane, largest first; black is the hard shadow, its rim the slopes.");
 }
 
@@ -734,7 +738,7 @@ DebugImage Plateaus::primitives_picture(Frame& frame) {
     textures.resize(1);
     DebugImage image = side_by_side(textures, "");
     const glm::ivec4 size = layout_.blocks[0].size;
-    TextureImage colour = TextureImage::make_2d(GL_RGBA32F, size.x, size.y, "picture of sheets and cones");
+    const TextureImage colour = TextureImage::make_2d(GL_RGBA32F, size.x, size.y, "picture of sheets and cones");
     RenderTarget target{"picture of sheets and cones"};
     target.attach_colour(0, colour);
     target.bind();
@@ -781,8 +785,9 @@ std::vector<BakedTexture> Plateaus::bake(Frame& frame) {
                 texture.visibility.push_back(static_cast<float>(dark_ + (1.0 - dark_) * v));
             }
         }
-        const glm::dvec2 low{block.window}, high = low + static_cast<double>(block.window.z) * glm::dvec2{block.size};
-        const glm::dvec2 uv[4] = {low, {high.x, low.y}, high, {low.x, high.y}};
+        const glm::dvec2 low{block.window};
+        const glm::dvec2 high = low + static_cast<double>(block.window.z) * glm::dvec2{block.size};
+        const std::array<glm::dvec2, 4> uv{low, {high.x, low.y}, high, {low.x, high.y}};
         for (std::size_t c = 0; c < 4; ++c) {
             texture.corners_ws[c] = plane.origin_ws + uv[c].x * plane.axis_x + uv[c].y * plane.axis_y;
         }

@@ -44,7 +44,7 @@ private:
         bool map = false;                 ///< the depth map is looked up
     };
     [[nodiscard]] Layout lay_out(const LightSummary& summary) const;
-    [[nodiscard]] std::string step_of(const Layout& layout, std::size_t plane) const;
+    [[nodiscard]] static std::string step_of(const Layout& layout, std::size_t plane);
     [[nodiscard]] bool slopes_off_planes(const Layout& layout) const noexcept;
     /// Slopes inside the hard shadow are read by nobody.
     [[nodiscard]] bool skips_umbra() const noexcept;

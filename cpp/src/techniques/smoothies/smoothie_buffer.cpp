@@ -122,6 +122,7 @@ void SmoothieBuffer::set_light(const Program& program, Frame& frame, const Centr
     }
     if (program.has("light_corners_ws")) {
         std::vector<glm::vec4> corners;
+        corners.reserve(light.corners_ws.size());
         for (const glm::dvec3& corner : light.corners_ws) {
             corners.emplace_back(glm::vec3{corner - light.position_ws}, 0.0F);
         }
@@ -172,7 +173,7 @@ void SmoothieBuffer::set_uniforms(const Program& program, Frame& frame, CentreMa
 void SmoothieBuffer::draw(Frame& frame, SilhouettePass& silhouettes, CentreMap& map) {
     map.bind_space();
     silhouettes.bind(2);
-    TextureImage& receivers = options_.depth_from_casters ? map.texture() : map.receiver_texture();
+    const TextureImage& receivers = options_.depth_from_casters ? map.texture() : map.receiver_texture();
     receivers.bind(4);
     for (std::size_t i = 0; i < targets_.size() && receivers.name() != attached_; ++i) {
         targets_[i].attach_depth(receivers, static_cast<int>(i));
@@ -222,7 +223,7 @@ void SmoothieBuffer::draw(Frame& frame, SilhouettePass& silhouettes, CentreMap& 
 
 void SmoothieBuffer::draw_outlines(Frame& frame, RenderTarget& target, SilhouettePass& silhouettes, CentreMap& map,
                                    int face) {
-    Defines all = defines(frame, map);
+    const Defines all = defines(frame, map);
     const Program& flat = frame.device().programs.get(
         {"techniques/smoothies/smoothie.vert", "techniques/smoothies/smoothie.geom", "passes/debug_flat.frag"}, all);
     set_uniforms(flat, frame, map, face);

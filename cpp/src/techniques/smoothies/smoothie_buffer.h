@@ -58,7 +58,7 @@ private:
     [[nodiscard]] bool thesis() const noexcept { return options_.corners == SmoothieOptions::Corners::Thesis; }
     [[nodiscard]] Defines defines(Frame& frame, const CentreMap& map) const;
     [[nodiscard]] const Program& program(Frame& frame, CentreMap& map, int target) const;
-    void set_uniforms(const Program& program, Frame& frame, CentreMap& map, int face) const;
+    void set_uniforms(const Program& program, Frame& frame, CentreMap& map, int index) const;
 
     SmoothieOptions options_;
     TextureImage alpha_, depth_;

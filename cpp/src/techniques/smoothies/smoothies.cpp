@@ -96,7 +96,7 @@ std::vector<SettingInfo> smoothie_settings() {
 
 template <class E>
 E chosen(const Settings& settings, const char* id, const std::vector<std::string>& choices) {
-    const auto found = std::find(choices.begin(), choices.end(), get_choice(settings, id));
+    const auto found = std::ranges::find(choices, get_choice(settings, id));
     return static_cast<E>(found - choices.begin());
 }
 

@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-std::vector<glm::vec4> thesis_tips(Frame& frame, std::span<const gpu::SilhouetteRecord> records) {
+std::vector<glm::vec4> thesis_tips(const Frame& frame, std::span<const gpu::SilhouetteRecord> records) {
     using Vertex = std::pair<std::uint32_t, std::uint32_t>;  // instance, welded vertex
     std::map<Vertex, int> edges_at;
     for (const gpu::SilhouetteRecord& record : records) {

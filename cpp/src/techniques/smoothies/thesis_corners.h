@@ -16,6 +16,6 @@ class Frame;
 ///
 /// @return two entries per record, for its ends a and b: xyz the average normal, world axes; w = 1 if the end has more
 ///         than two silhouette edges, else 0
-[[nodiscard]] std::vector<glm::vec4> thesis_tips(Frame& frame, std::span<const gpu::SilhouetteRecord> records);
+[[nodiscard]] std::vector<glm::vec4> thesis_tips(const Frame& frame, std::span<const gpu::SilhouetteRecord> records);
 
 }  // namespace penumbra
