@@ -404,10 +404,10 @@ Reference trace_reference(const RayScene& rays, const Scene& scene, const View& 
             found[pixel].differing = static_cast<float>(sums.differing);
             if (!(sums.w > 0.0)) {
                 // Nothing to shadow: 1. Unless no sample met what little of the light is above the horizon: then the
-                // ratio may be any from 0 to 1, and the standard error told is 1/4: four of them span it.
+                // ratio may be any number from 0 to 1, and the standard error told is that of any.
                 const glm::dvec3 position_ws = view.eye_ws + glm::dvec3(view.position_cr[pixel]);
                 if (faces_light(light, position_ws, glm::dvec3(view.shading_normal_ws[pixel]))) {
-                    found[pixel].concentration = static_cast<float>(strata * strata / (4.0 * kUnseen));
+                    found[pixel].concentration = static_cast<float>(0.36 * strata * strata / kUnseen);  // 0.3
                 }
                 return;
             }

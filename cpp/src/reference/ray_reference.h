@@ -23,7 +23,7 @@ namespace penumbra {
 ///
 /// A pixel's count of differing pairs is some 10 in a penumbra and so scatters by a third, and errors beyond 4 of the
 /// standard errors told come from counts that are too small. So the larger of the count and its neighbourhood's mean is
-/// told. The RMS of the error over the one told is then 0.95 to 0.96; where V changes within a pixel or two more is
+/// told. The RMS of the error over the one told is then 0.90 to 0.96; where V changes within a pixel or two more is
 /// told than there is.
 ///
 /// Half a differing pair is added to those found: a feature smaller than one stratum may have been missed, and the

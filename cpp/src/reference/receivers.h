@@ -17,8 +17,8 @@ namespace penumbra {
 /// each, Embree's robust test subtracts origin from vertex (once) and, through an instance, transforms the origin (up
 /// to kLargestCondition times a rounding). Measured on grazing lit spheres, cubes, turned planes and instances over all
 /// scales and places (visibility_tracer_test.cpp): acne at 1.0, none from 1.5 on. What is too much costs truth: the
-/// lifted point sees past an edge that is close to it. At 16 a dozen pixels on Suzanne's creases in the courtyard were
-/// 0.005 to 0.015 too bright, at 4 none could be told from noise.
+/// lifted point sees past an edge that is close to it. At 16 a dozen pixels of the example `courtyard` were 0.005 to
+/// 0.015 too bright, at 4 none could be told from noise.
 inline constexpr float kOffsetRoundings = 4.0F;
 
 /// Points that ask for light, one per lane, in anchor units.

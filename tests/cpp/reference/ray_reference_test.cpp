@@ -208,6 +208,22 @@ TEST(TraceReference, WeighsIrradianceByTheShadingNormalAndAreaByNone) {
     EXPECT_GT(differs, 0.05) << "the shading normal matters here";
 }
 
+TEST(TraceReference, TellsThatItDoesNotKnowTheIrradianceWhereItsSamplesMissTheLightAboveTheHorizon) {
+    // The shading normal lets the light begin at x = 0.49999 of 0.5: no sample is there. At x = 0.51 there is nothing.
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.5);
+    View view = test::view_of(std::vector<Point>(2, Point{{0, 0, 0}}), 2);
+    view.shading_normal_ws = {glm::vec3(glm::normalize(glm::dvec3{2.0, 0.0, -0.49999})),
+                              glm::vec3(glm::normalize(glm::dvec3{2.0, 0.0, -0.51}))};
+    const Scene scene = half_plane();
+    Control control;
+    const RayScene rays{scene, control};
+    const Reference reference = trace_reference(rays, scene, view, light, within(0.01), control);
+    EXPECT_EQ(reference.irradiance, (std::vector<float>{1.0F, 1.0F}));
+    EXPECT_NEAR(reference.irradiance_standard_error[0], 0.3F, 0.01F);
+    EXPECT_LE(reference.irradiance_standard_error[1], 0.01F);
+    EXPECT_LE(reference.standard_error[0], 0.02F) << "the area is known all the same";
+}
+
 TEST(TraceReference, IsUnbiasedEvenWhereThePilotSeesNothing) {
     // A blocker that hides 1/400 of the light: most pilots of 72 rays miss it, and an estimate that stopped there
     // would tend to 1. The mean over many pixels and seeds must not.
