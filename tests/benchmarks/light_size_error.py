@@ -2,8 +2,8 @@
 
     python tests/benchmarks/light_size_error.py [--meshes DIR] [--size WxH] [--out FILE]
 
-Each scene is compared three times, its first light that is no sun made 0.05, 0.2 and 1 caster heights wide. The caster
-is the tallest mesh that is not wider than half the scene. Meshes (stanford-bunny, spot, fandisk, teapot .obj) are left
+Each scene is compared three times, its first light that is no sun made 0.05, 0.2 and 1 caster heights wide: of the mesh itself, of
+Suzanne, of the mug on the desk, of a column on the plaza. Meshes (stanford-bunny, spot, fandisk, teapot .obj) are left
 out with a word where --meshes has none.
 """
 
@@ -25,7 +25,7 @@ from penumbra.progress import Progress
 ROOT = Path(__file__).resolve().parents[2]
 SIZES = (0.05, 0.2, 1.0)  # width of the light in caster heights
 MESHES = ("stanford-bunny", "spot", "fandisk", "teapot")
-EXAMPLES = ("courtyard", "desk", "plaza")
+EXAMPLES = {"courtyard": "Suzanne", "desk": "Mug", "plaza": "Column 1"}  # and the caster that sets the scale
 COLUMNS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("hard map", "shadow_map", {}),
     ("penumbra maps", "penumbra_maps", {}),
@@ -46,23 +46,14 @@ class Row:
     summaries: list[dict[str, Any] | str]  # by column; a reason where a technique says no
 
 
-def caster_height_m() -> tuple[str, float]:
-    """Name and height of the tallest mesh of the open scene that is not a floor or a wall around everything."""
+def caster_height_m(scene: str) -> float:
+    """Height of the caster that sets the scale: the example's own, or the tallest mesh but the floor."""
     import bpy
 
-    meshes = [o for o in bpy.context.scene.objects if o.type == "MESH" and not o.hide_render]
-    corners = np.array([o.matrix_world @ v for o in meshes for v in map(_vector, o.bound_box)])
-    width = max(np.ptp(corners, axis=0)[:2])
-    boxes = {o.name: np.ptp(np.array([o.matrix_world @ _vector(c) for c in o.bound_box]), axis=0) for o in meshes}
-    slim = {name: box for name, box in boxes.items() if max(box[:2]) <= 0.5 * width} or boxes
-    name = max(slim, key=lambda key: float(slim[key][2]))
-    return name, float(slim[name][2])
-
-
-def _vector(corner: Any) -> Any:
-    from mathutils import Vector
-
-    return Vector(corner)
+    meshes = {o.name: o for o in bpy.context.scene.objects if o.type == "MESH" and not o.hide_render}
+    if scene in EXAMPLES:
+        return float(meshes[EXAMPLES[scene]].dimensions.z)
+    return max(float(o.dimensions.z) for o in meshes.values())
 
 
 def resized(light: Any, width_m: float) -> Any:
@@ -78,7 +69,7 @@ def resized(light: Any, width_m: float) -> Any:
 
 def measure(path: Path, size: tuple[int, int], reference_error: float) -> list[Row]:
     scenes.open_scene(path)
-    caster, height_m = caster_height_m()
+    height_m = caster_height_m(path.stem)
     export = scenes.read(size=size)
     index = next(i for i, light in enumerate(export.scene.lights) if light.kind not in ("sun", "polygon"))
     renderer = core.Renderer()
@@ -101,7 +92,7 @@ def measure(path: Path, size: tuple[int, int], reference_error: float) -> list[R
             image = renderer.visibility(index, technique, settings)["visibility"]
             row.summaries.append(core.measure_errors([image], area, truth["standard_error"], mask))
         rows.append(row)
-        print(f"{path.stem} ({caster}, {height_m:.3g} m) light {share}: done", file=sys.stderr, flush=True)
+        print(f"{path.stem} ({height_m:.3g} m) light {share}: done", file=sys.stderr, flush=True)
     return rows
 
 
@@ -124,7 +115,7 @@ def page(rows: list[Row], arguments: argparse.Namespace, renderer_name: str) -> 
 
 Written by `{command}`: {arguments.size[0]} x {arguments.size[1]} pixels, default settings, maps of 1024, reference to a
 standard error of {arguments.reference_error:g}; {renderer_name}; {platform.machine()}. The light's width is given in
-heights of the scene's tallest caster. "both sides" is our variant `sides=both` of the technique to its left.
+heights of the mesh, of Suzanne, of the mug, of a column. "both sides" is our variant `sides=both` of the technique to its left.
 
 ## RMSE over the reference's penumbra
 A hard shadow's is 0.289 on a straight edge.
