@@ -2,9 +2,9 @@
 
     python tests/benchmarks/light_size_error.py [--meshes DIR] [--size WxH] [--out FILE]
 
-Each scene is compared three times, its first light that is no sun made 0.05, 0.2 and 1 caster heights wide: of the mesh itself, of
-Suzanne, of the mug on the desk, of a column on the plaza. Meshes (stanford-bunny, spot, fandisk, teapot .obj) are left
-out with a word where --meshes has none.
+Each scene is compared three times, its first light that is no sun made 0.05, 0.2 and 1 caster heights wide: of the
+mesh itself, of Suzanne, of the mug on the desk, of a column on the plaza. Meshes (stanford-bunny, spot, fandisk, teapot
+.obj) are left out with a word where --meshes has none.
 """
 
 from __future__ import annotations
@@ -115,7 +115,8 @@ def page(rows: list[Row], arguments: argparse.Namespace, renderer_name: str) -> 
 
 Written by `{command}`: {arguments.size[0]} x {arguments.size[1]} pixels, default settings, maps of 1024, reference to a
 standard error of {arguments.reference_error:g}; {renderer_name}; {platform.machine()}. The light's width is given in
-heights of the mesh, of Suzanne, of the mug, of a column. "both sides" is our variant `sides=both` of the technique to its left.
+heights of the mesh, of Suzanne, of the mug, of a column. "both sides" is our variant `sides=both` of the technique to
+its left.
 
 ## RMSE over the reference's penumbra
 A hard shadow's is 0.289 on a straight edge.
