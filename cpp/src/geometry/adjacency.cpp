@@ -42,8 +42,9 @@ std::vector<std::uint32_t> weld(const std::vector<glm::vec3>& positions) {
     return welded;
 }
 
+/// Sides of one edge are ordered by the triangle's third corner, so that the order of triangles changes nothing.
 struct HalfEdge {
-    std::uint32_t v1, side;
+    std::uint32_t v1, opposite, side;
     friend auto operator<=>(const HalfEdge&, const HalfEdge&) = default;
 };
 
@@ -85,7 +86,7 @@ Adjacency make_adjacency(const Mesh& mesh) {
             for (unsigned k = 0; k < 3; ++k) {
                 const std::uint32_t a = c[k];
                 const std::uint32_t b = c[(k + 1) % 3];
-                half_edges[next[std::min(a, b)]++] = {std::max(a, b),
+                half_edges[next[std::min(a, b)]++] = {std::max(a, b), c[(k + 2) % 3],
                                                       static_cast<std::uint32_t>(2 * t + (a > b ? 1 : 0))};
             }
         }

@@ -18,7 +18,8 @@ struct Adjacency {
     static constexpr std::uint32_t kMany = 0x80000000U;
 
     /// v0 < v1, both welded. One triangle: side1 = kNone. Two: both sides. More: side0 is the first of `more_sides`
-    /// and side1 = kMany | count.
+    /// and side1 = kMany | count. Sides are in the order of
+    /// their triangles' third corners, not of the triangles.
     struct Edge {
         std::uint32_t v0 = 0, v1 = 0;
         std::uint32_t side0 = kNone, side1 = kNone;
