@@ -108,5 +108,5 @@ def test_silhouettes_found_on_the_device_and_on_the_processor_give_one_image(pat
     for technique in FAMILY:
         device = visibility(renderer, 0, technique, silhouettes="gpu")
         processor = visibility(renderer, 0, technique, silhouettes="cpu")
-        # Edge-on faces may vote on one side alone: their edges coincide with another's, so that hardly a pixel differs.
-        assert np.mean(device != processor) < 0.002, technique
+        # Positions are rounded along two ways; an edge within rounding of edge-on may be found on one side alone.
+        assert np.mean(np.abs(device - processor) > 1e-3) < 0.002, technique

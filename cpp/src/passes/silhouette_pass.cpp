@@ -257,4 +257,25 @@ std::size_t SilhouettePass::bytes() const noexcept {
     return bytes;
 }
 
+SettingInfo silhouette_setting() {
+    return {.id = "silhouettes",
+            .label = "Silhouettes found",
+            .unit = "",
+            .help =
+                "gpu: by compute shader; cpu: by the processor, then sent; auto: gpu, but cpu where the device is a "
+                "software rasteriser. The same edges.",
+            .default_value = std::string{"auto"},
+            .minimum = 0,
+            .maximum = 0,
+            .choices = {"auto", "gpu", "cpu"},
+            .sweep = {}};
+}
+
+SilhouettePass::Source silhouette_source(const Settings& settings) {
+    const std::string& source = get_choice(settings, "silhouettes");
+    return source == "gpu"   ? SilhouettePass::Source::Gpu
+           : source == "cpu" ? SilhouettePass::Source::Cpu
+                             : SilhouettePass::Source::Auto;
+}
+
 }  // namespace penumbra

@@ -12,6 +12,7 @@
 #include "gl/buffer_texture.h"
 #include "gl/glsl_types.h"
 #include "passes/gpu_adjacency.h"
+#include "penumbra/settings.h"
 
 namespace penumbra {
 
@@ -94,5 +95,9 @@ private:
     BufferTexture instance_texels_, job_texels_;
     VertexArray no_attributes_;
 };
+
+/// The setting "silhouettes" of every technique that has a SilhouettePass, and what it chooses.
+[[nodiscard]] SettingInfo silhouette_setting();
+[[nodiscard]] SilhouettePass::Source silhouette_source(const Settings& settings);
 
 }  // namespace penumbra

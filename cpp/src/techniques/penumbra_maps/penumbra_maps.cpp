@@ -61,6 +61,7 @@ SettingInfo toggle(std::string id, std::string label, std::string help, bool val
 
 std::vector<SettingInfo> penumbra_settings() {
     std::vector<SettingInfo> settings = map_settings("slope", true);
+    settings.push_back(silhouette_setting());
     settings.push_back(choice("sides", "Sides",
                               "outer: as published, V = 0 at the hard edge; both: ours, V = 1/2 there.",
                               {"outer", "both"}));
@@ -188,7 +189,7 @@ PenumbraMaps::PenumbraMaps(const Settings& settings)
             .facing_test = get_bool(settings, "facing_test"),
             .with_receivers = true,
             .along_light_normal = options_.shape == ConeShape::Light}},
-      silhouettes_{SilhouettePass::Options{}} {
+      silhouettes_{{.source = silhouette_source(settings)}} {
     if (options_.caster_triangles > 0) {
         map_.use_casters(caster_scene_);
     }

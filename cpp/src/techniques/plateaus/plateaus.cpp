@@ -104,6 +104,7 @@ std::vector<SettingInfo> plateau_settings() {
                "projected.",
                "hard", {"hard", "narrowed", "projected"}),
     };
+    settings.push_back(silhouette_setting());
     for (SettingInfo& setting : map_settings("slope", true)) {
         setting.sweep.clear();  // of the depth map, which only receivers off the planes see
         settings.push_back(std::move(setting));
@@ -214,7 +215,7 @@ Plateaus::Plateaus(const Settings& settings)
       map_{{.size_px = get_int(settings, "map_size"),
             .bias = map_bias_from(settings),
             .facing_test = get_bool(settings, "facing_test")}},
-      silhouettes_{{.choice = edges_}} {
+      silhouettes_{{.source = silhouette_source(settings), .choice = edges_}} {
     if (hither_yon_.x >= hither_yon_.y) {
         throw InvalidSettings("plateaus.hither: " + std::to_string(hither_yon_.x) + " is not below plateaus.yon, " +
                               std::to_string(hither_yon_.y) + "; give a smaller one");

@@ -41,6 +41,7 @@ const std::vector<std::string> kStore{"auto", "on", "off"};
 
 std::vector<SettingInfo> smoothie_settings() {
     std::vector<SettingInfo> settings = map_settings("slope", false);
+    settings.push_back(silhouette_setting());
     settings.push_back(choice("width", "Width",
                               "Of the smoothies: what the light's shape gives, or a disc of its area; or the plain t "
                               "as published, whatever the light.",
@@ -148,6 +149,7 @@ Smoothies::Smoothies(const Settings& settings)
             .facing_test = get_bool(settings, "facing_test"),
             .with_receivers = true,
             .receivers_without_extent = options_.width == SmoothieOptions::Width::Fixed}},
+      silhouettes_{{.source = silhouette_source(settings)}},
       buffer_{options_} {}
 
 Verdict Smoothies::supports(const Light& /*light*/) const {

@@ -50,7 +50,7 @@ private:
     SmoothieOptions options_;
     MapBias bias_;
     CentreMap map_;
-    SilhouettePass silhouettes_{{.source = SilhouettePass::Source::Auto}};
+    SilhouettePass silhouettes_;
     SmoothieBuffer buffer_;
     InnerEdges inner_;
 };
