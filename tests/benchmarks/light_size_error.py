@@ -41,16 +41,16 @@ COLUMNS: tuple[tuple[str, str, dict[str, Any]], ...] = (
 READING = """## Reading the tables
 Written by hand, for the run that is committed.
 
-- **As published, all three are farther from the truth than the hard shadow** (penumbra RMSE 0.26 to 0.50 against 0.23 to
-  0.49), and always too dark. Each makes the outer half of the penumbra only, and a linear ramp over half the width errs by
-  0.289 as a hard edge does; the smooth falloffs that are their defaults err by 0.309. They look soft; they are not
-  nearer. Penumbra maps are the darkest, since their published ramp is linear in depth along the ray: 0.309 where edge
-  and receiver are close, up to 0.446 where the receiver is four times as far (plaza).
+- **As published, all three are farther from the truth than the hard shadow** (penumbra RMSE 0.26 to 0.50 against 0.23
+  to 0.49), and always too dark. Each makes the outer half of the penumbra only, and a linear ramp over half the width
+  errs by 0.289 as a hard edge does; the smooth falloffs that are their defaults err by 0.309. They look soft; they are
+  not nearer. Penumbra maps are the darkest, since their published ramp is linear in depth along the ray: 0.309 where
+  edge and receiver are close, up to 0.446 where the receiver is four times as far (plaza).
 - **With `sides=both` the error falls to a third or half of the hard shadow's** (0.04 to 0.2), and the signed error to
-  nearly nothing. fandisk, with few long edges, is the best case: there an edge is straight as far as the light reaches.
+  nearly nothing. fandisk, with few long edges, is the best case: an edge is straight there as far as the light reaches.
 - **Large lights (1)**: umbrae that should shrink stay, and silhouettes are those of the light's centre. Seen in the
-  bunny's ears and feet, and on the plaza, where nearly all pixels lie in some penumbra and the hard shadow errs by 0.40.
-  Here sixteen hard maps win clearly.
+  bunny's ears and feet, and on the plaza, where nearly all pixels lie in some penumbra and the hard shadow errs by
+  0.40. Here sixteen hard maps win clearly.
 - **Small lights (0.05)**: the penumbra is as wide as a few texels, so that all columns show the map's resolution.
   Courtyard and desk at 0.05 are better served by a larger `map_size` than by any technique.
 - **Leaks** are those of the depth map itself (contacts, thin parts), but for `sides=both` with large lights: where one
