@@ -100,11 +100,11 @@ TEST(PlanarReceivers, CurvedAndSmallOnesAreLeftOut) {
     const Made made = see_all({scenes::place(scenes::sphere(24, false), "ball"),
                                scenes::place(scenes::sheet(-9, 9, -9, 9), "floor", {0, 0, -1})},
                               4, {0, 0, 20});
-    EXPECT_EQ(find(made, {.most = 15, .least_share = 0.1}).planes.size(), 0U);
+    EXPECT_EQ(find(made, {.most = 15, .least_share = 0.1, .only = {}}).planes.size(), 0U);
     const PlanarReceivers chosen = find(made, {.least_share = 0.0, .only = "floor"});
     ASSERT_EQ(chosen.planes.size(), 1U);
     EXPECT_EQ(chosen.planes[0].name, "floor");
-    EXPECT_EQ(find(made, {.most = 3, .least_share = 0.0}).planes.size(), 3U);
+    EXPECT_EQ(find(made, {.most = 3, .least_share = 0.0, .only = {}}).planes.size(), 3U);
 }
 
 TEST(PlanarReceivers, TheTwoSidesOfASheetAreTwoPlanes) {
@@ -121,7 +121,7 @@ TEST(PlanarReceivers, TheWholeOfAPlaneReachesBeyondWhatIsSeen) {
     }
     const PlanarReceiver seen = find(made).planes.at(0);
     EXPECT_LT(seen.high_m.x - seen.low_m.x, 1.0);
-    const PlanarReceiver whole = find(made, {.whole = true}).planes.at(0);
+    const PlanarReceiver whole = find(made, {.whole = true, .only = {}}).planes.at(0);
     EXPECT_NEAR((whole.high_m.x - whole.low_m.x) * (whole.high_m.y - whole.low_m.y), 160.0, 1e-3);
 }
 
