@@ -55,8 +55,8 @@ struct BakedTexture {
 /// One way to turn (scene, view, light, settings) into V per pixel: 0 umbra .. 1 lit.
 ///
 /// All calls come from the render thread. A Technique object serves one light with one set of settings and owns the
-/// maps it keeps between frames. The order is plan, prepare, update, resolve; then again resolve alone (the camera
-/// stands still: static frame) or update and resolve (casters or the light moved: dynamic frame).
+/// maps it keeps between frames. The order is plan, prepare, update, resolve; then again resolve alone (maps are
+/// kept: static frame) or update and resolve (casters or the light moved: dynamic frame).
 class Technique {
 public:
     virtual ~Technique() = default;
