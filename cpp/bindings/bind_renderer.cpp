@@ -131,6 +131,7 @@ py::list bake(PyRenderer& self, std::size_t light, const std::string& technique,
     py::list all;
     for (BakedTexture& texture : textures) {
         std::vector<std::array<double, 3>> corners;
+        corners.reserve(texture.corners_ws.size());
         for (const glm::dvec3& c : texture.corners_ws) {
             corners.push_back({c.x, c.y, c.z});
         }

@@ -87,7 +87,8 @@ LightExtent LightExtent::disc_of(const Light& light) {
 }
 
 double LightExtent::half_width(const glm::dvec2& outer_normal) const noexcept {
-    const double along_u = glm::dot(u_, outer_normal), along_v = glm::dot(v_, outer_normal);
+    const double along_u = glm::dot(u_, outer_normal);
+    const double along_v = glm::dot(v_, outer_normal);
     switch (shape_) {
         case Shape::Disc:
             return u_.x;
