@@ -236,9 +236,9 @@ const Program& ProgramLibrary::get(std::initializer_list<std::string_view> stage
     std::ranges::sort(sorted, [](const Define& a, const Define& b) { return a.name < b.name; });
     const std::span<const std::string_view> files(stage_files.begin(), stage_files.size());
     std::string key = join(files);
-    for (std::size_t i = 0; i < sorted.size(); ++i) {
-        PENUMBRA_ASSERT(i == 0 || sorted[i].name != sorted[i - 1].name);
-        key += "\n" + sorted[i].name + "=" + sorted[i].value;
+    PENUMBRA_ASSERT(std::ranges::adjacent_find(sorted, {}, &Define::name) == sorted.end());  // no name twice
+    for (const Define& define : sorted) {
+        key += "\n" + define.name + "=" + define.value;
     }
     const auto found = programs_.find(key);
     if (found != programs_.end()) {
