@@ -1,4 +1,5 @@
 #include "passes/map_bias.h"
+#include "scene/setting_forms.h"
 
 #include <algorithm>
 #include <array>
@@ -16,63 +17,23 @@ std::vector<SettingInfo> map_settings(const char* default_bias, bool with_midpoi
     if (!with_midpoint) {
         modes.pop_back();
     }
-    std::vector<SettingInfo> settings;
-    settings.push_back({.id = "map_size",
-                        .label = "Map size",
-                        .unit = "px",
-                        .help = "Width and height of each depth map.",
-                        .default_value = 1024,
-                        .minimum = 16,
-                        .maximum = 16384,
-                        .choices = {},
-                        .sweep = {256, 512, 1024, 2048, 4096}});
-    settings.push_back({.id = "bias",
-                        .label = "Bias",
-                        .unit = "",
-                        .help = "How a surface is kept from shadowing itself.",
-                        .default_value = std::string{default_bias},
-                        .minimum = 0,
-                        .maximum = 0,
-                        .choices = modes,
-                        .sweep = {}});
-    settings.push_back({.id = "bias_scale",
-                        .label = "Bias scale",
-                        .unit = "",
-                        .help = "Factor on the bias; 1 is what a plane needs, less gives acne, more detaches shadows.",
-                        .default_value = 1.0,
-                        .minimum = 0.0,
-                        .maximum = 100.0,
-                        .choices = {},
-                        .sweep = {}});
-    settings.push_back({.id = "bias_constant",
-                        .label = "Constant bias",
-                        .unit = "texel",
-                        .help = "Added to every bias but none, in widths of a map texel at the receiver.",
-                        .default_value = 0.1,
-                        .minimum = 0.0,
-                        .maximum = 1000.0,
-                        .choices = {},
-                        .sweep = {}});
-    settings.push_back(
-        {.id = "slope_cap",
-         .label = "Slope cap",
-         .unit = "texel",
-         .help = "Largest slope-dependent bias, in widths of a map texel; bounds leaks at grazing light.",
-         .default_value = 64.0,
-         .minimum = 0.0,
-         .maximum = 100000.0,
-         .choices = {},
-         .sweep = {}});
-    settings.push_back({.id = "facing_test",
-                        .label = "Facing test",
-                        .unit = "",
-                        .help = "Surfaces turned away from the light point are dark without a lookup.",
-                        .default_value = true,
-                        .minimum = 0,
-                        .maximum = 0,
-                        .choices = {},
-                        .sweep = {}});
-    return settings;
+    SettingInfo bias = choice_setting("bias", "Bias", "How a surface is kept from shadowing itself.", modes);
+    bias.default_value = std::string{default_bias};
+    return {
+        number_setting("map_size", "Map size", "px", "Width and height of each depth map.", 1024, 16, 16384,
+                       {256, 512, 1024, 2048, 4096}),
+        bias,
+        number_setting("bias_scale", "Bias scale", "",
+                       "Factor on the bias; 1 is what a plane needs, less gives acne, more detaches shadows.", 1.0, 0.0,
+                       100.0),
+        number_setting("bias_constant", "Constant bias", "texel",
+                       "Added to every bias but none, in widths of a map texel at the receiver.", 0.1, 0.0, 1000.0),
+        number_setting("slope_cap", "Slope cap", "texel",
+                       "Largest slope-dependent bias, in widths of a map texel; bounds leaks at grazing light.", 64.0,
+                       0.0, 100000.0),
+        toggle_setting("facing_test", "Facing test",
+                       "Surfaces turned away from the light point are dark without a lookup.", true),
+    };
 }
 
 MapBias map_bias_from(const Settings& settings) {

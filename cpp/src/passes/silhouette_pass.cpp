@@ -5,6 +5,7 @@
 
 #include "base/assert.h"
 #include "passes/frame.h"
+#include "scene/setting_forms.h"
 
 namespace penumbra {
 
@@ -258,17 +259,11 @@ std::size_t SilhouettePass::bytes() const noexcept {
 }
 
 SettingInfo silhouette_setting() {
-    return {.id = "silhouettes",
-            .label = "Silhouettes found",
-            .unit = "",
-            .help =
-                "gpu: by compute shader; cpu: by the processor, then sent; auto: gpu, but cpu where the device is a "
-                "software rasteriser. The same edges.",
-            .default_value = std::string{"auto"},
-            .minimum = 0,
-            .maximum = 0,
-            .choices = {"auto", "gpu", "cpu"},
-            .sweep = {}};
+    return choice_setting(
+        "silhouettes", "Silhouettes found",
+        "gpu: by compute shader; cpu: by the processor, then sent; auto: gpu, but cpu where the device "
+        "is a software rasteriser. The same edges.",
+        {"auto", "gpu", "cpu"});
 }
 
 SilhouettePass::Source silhouette_source(const Settings& settings) {

@@ -28,13 +28,8 @@ Entry entry() {
 /// In the order users see them. A new technique is one line here and one folder.
 const std::vector<Entry>& entries() {
     static const std::vector<Entry> table{
-        entry<ShadowMap>(),
-        entry<Pcf>(),
-        entry<Smoothies>(),
-        entry<PenumbraMaps>(),
-        entry<Plateaus>(),
-        entry<LightSamples>(),
-        entry<RayTraced>(),
+        entry<ShadowMap>(), entry<Pcf>(),          entry<Smoothies>(), entry<PenumbraMaps>(),
+        entry<Plateaus>(),  entry<LightSamples>(), entry<RayTraced>(),
     };
     return table;
 }

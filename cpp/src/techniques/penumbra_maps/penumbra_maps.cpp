@@ -10,6 +10,7 @@
 #include "passes/debug_picture.h"
 #include "passes/edge_space.h"
 #include "passes/frame.h"
+#include "scene/setting_forms.h"
 #include "techniques/all_lights.h"
 
 namespace penumbra {
@@ -22,81 +23,49 @@ constexpr const char* kPenumbra = "penumbra map";
 constexpr const char* kInner = "inner edges";
 constexpr const char* kPack = "pack";
 
-SettingInfo choice(std::string id, std::string label, std::string help, std::vector<std::string> choices,
-                   std::vector<SettingValue> sweep = {}) {
-    return {.id = std::move(id),
-            .label = std::move(label),
-            .unit = "",
-            .help = std::move(help),
-            .default_value = choices.front(),
-            .minimum = 0,
-            .maximum = 0,
-            .choices = choices,
-            .sweep = std::move(sweep)};
-}
-
-SettingInfo number(std::string id, std::string label, std::string help, int value, int least, int most) {
-    return {.id = std::move(id),
-            .label = std::move(label),
-            .unit = "",
-            .help = std::move(help),
-            .default_value = value,
-            .minimum = static_cast<double>(least),
-            .maximum = static_cast<double>(most),
-            .choices = {},
-            .sweep = {}};
-}
-
-SettingInfo toggle(std::string id, std::string label, std::string help, bool value) {
-    return {.id = std::move(id),
-            .label = std::move(label),
-            .unit = "",
-            .help = std::move(help),
-            .default_value = value,
-            .minimum = 0,
-            .maximum = 0,
-            .choices = {},
-            .sweep = {}};
-}
-
 std::vector<SettingInfo> penumbra_settings() {
     std::vector<SettingInfo> settings = map_settings("slope", true);
     settings.push_back(silhouette_setting());
-    settings.push_back(choice("sides", "Sides",
-                              "outer: as published, V = 0 at the hard edge; both: ours, V = 1/2 there.",
-                              {"outer", "both"}));
-    settings.push_back(choice("mode", "Construction",
-                              "exact: analytic cones, affine inverse depths; literal: facets and subdivided sheets.",
-                              {"exact", "literal"}));
-    settings.push_back(choice("ramp", "Ramp",
-                              "What is linear: depth along the light ray (published), the image plane, or exact on "
-                              "tilted edges too; auto: depth, with both sides exact.",
-                              {"auto", "depth", "image", "exact"}));
-    settings.push_back(choice("falloff", "Falloff",
-                              "auto: smoothstep (published) for round lights, linear for others, with both sides the "
-                              "area of the light's shape.",
-                              {"auto", "smoothstep", "linear", "area"}));
-    settings.push_back(choice("shape", "Light shape",
-                              "disc of equal area (published), sphere for point and spot lights, or the light's own.",
-                              {"disc", "sphere", "light"}));
-    settings.push_back(choice("filter", "Filter", "Texels of a lookup: one, or four with a comparison each.",
-                              {"nearest", "gathered"}));
-    settings.push_back(toggle("trim_cones", "Trim cones",
-                              "Draws of each cone only the wedge between its sheets; exact mode only.", true));
-    settings.push_back(number("facets", "Facets", "Triangles of a cone; literal mode only.", 24, 3, 64));
-    settings.push_back(number("sheet_parts", "Sheet parts",
-                              "Most parts of a sheet whose ends differ in depth; literal mode only.", 8, 1, 32));
+    settings.push_back(choice_setting("sides", "Sides",
+                                      "outer: as published, V = 0 at the hard edge; both: ours, V = 1/2 there.",
+                                      {"outer", "both"}));
+    settings.push_back(choice_setting(
+        "mode", "Construction", "exact: analytic cones, affine inverse depths; literal: facets and subdivided sheets.",
+        {"exact", "literal"}));
     settings.push_back(
-        number("caster_triangles", "Caster triangles",
-               "Simplifies all casters together to about this many triangles, and raises the bias by how "
-               "far they may stand off; 0: in full.",
-               0, 0, 1 << 30));
-    settings.push_back(choice("combine", "Keep the darkest by",
-                              "Minimum blending, or depth written and tested (published); auto: the mode's own.",
-                              {"auto", "minimum", "depth_test"}));
-    settings.push_back(choice("precision", "Precision", "Of the penumbra map.", {"float32", "float16", "byte"}));
+        choice_setting("ramp", "Ramp",
+                       "What is linear: depth along the light ray (published), the image plane, or exact on "
+                       "tilted edges too; auto: depth, with both sides exact.",
+                       {"auto", "depth", "image", "exact"}));
     settings.push_back(
-        toggle("packed", "Packed", "Depth and penumbra in one texture: one fetch per lookup, one more pass.", false));
+        choice_setting("falloff", "Falloff",
+                       "auto: smoothstep (published) for round lights, linear for others, with both sides the "
+                       "area of the light's shape.",
+                       {"auto", "smoothstep", "linear", "area"}));
+    settings.push_back(choice_setting(
+        "shape", "Light shape", "disc of equal area (published), sphere for point and spot lights, or the light's own.",
+        {"disc", "sphere", "light"}));
+    settings.push_back(choice_setting("filter", "Filter", "Texels of a lookup: one, or four with a comparison each.",
+                                      {"nearest", "gathered"}));
+    settings.push_back(toggle_setting("trim_cones", "Trim cones",
+                                      "Draws of each cone only the wedge between its sheets; exact mode only.", true));
+    settings.push_back(number_setting("facets", "Facets", "", "Triangles of a cone; literal mode only.", 24, 3, 64));
+    settings.push_back(number_setting("sheet_parts", "Sheet parts", "",
+                                      "Most parts of a sheet whose ends differ in depth; literal mode only.", 8, 1,
+                                      32));
+    settings.push_back(
+        number_setting("caster_triangles", "Caster triangles", "",
+                       "Simplifies all casters together to about this many triangles, and raises the bias by how "
+                       "far they may stand off; 0: in full.",
+                       0, 0, 1 << 30));
+    settings.push_back(
+        choice_setting("combine", "Keep the darkest by",
+                       "Minimum blending, or depth written and tested (published); auto: the mode's own.",
+                       {"auto", "minimum", "depth_test"}));
+    settings.push_back(
+        choice_setting("precision", "Precision", "Of the penumbra map.", {"float32", "float16", "byte"}));
+    settings.push_back(toggle_setting(
+        "packed", "Packed", "Depth and penumbra in one texture: one fetch per lookup, one more pass.", false));
     return settings;
 }
 

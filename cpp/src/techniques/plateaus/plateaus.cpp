@@ -7,6 +7,7 @@
 #include "geometry/cone_base.h"
 #include "passes/debug_picture.h"
 #include "passes/frame.h"
+#include "scene/setting_forms.h"
 #include "techniques/all_lights.h"
 
 namespace penumbra {
@@ -21,88 +22,71 @@ constexpr double kNothingDarkest = 4095.0 * 4096.0 + 4095.0;  ///< lit, from the
 
 const std::vector<std::string> kFalloffs{"linear", "sine", "smoothstep", "disc", "disc_full"};
 
-SettingInfo choice(const char* id, const char* label, const char* help, const char* first,
-                   std::vector<std::string> choices, std::vector<SettingValue> sweep = {}) {
-    return {.id = id,
-            .label = label,
-            .unit = "",
-            .help = help,
-            .default_value = std::string{first},
-            .minimum = 0,
-            .maximum = 0,
-            .choices = std::move(choices),
-            .sweep = std::move(sweep)};
-}
-
-SettingInfo number(const char* id, const char* label, const char* unit, const char* help, SettingValue value,
-                   double minimum, double maximum, std::vector<SettingValue> sweep = {}) {
-    return {.id = id,
-            .label = label,
-            .unit = unit,
-            .help = help,
-            .default_value = std::move(value),
-            .minimum = minimum,
-            .maximum = maximum,
-            .choices = {},
-            .sweep = std::move(sweep)};
-}
-
 std::vector<SettingInfo> plateau_settings() {
     std::vector<SettingInfo> settings{
-        number("size", "Texture size", "px", "Longer side of the largest plane's texture; smaller planes get less.",
-               1024, 16, 16384, {128, 256, 512, 1024, 2048}),
-        number("planes", "Planes", "", "How many planes get a texture, those that fill most pixels first.", 8, 0, 15),
-        choice("plane", "Plane", "auto: planes found in the view; or the name of the one object whose planes count.",
-               "auto", {}),
-        choice("extent", "Extent", "view: the part of a plane that is seen; object: all of its objects' faces on it.",
-               "view", {"view", "object"}),
-        number("plane_tolerance", "Plane tolerance", "",
-               "Unevenness of a plane, in radii of what is seen of the scene.", 1e-4, 0.0, 0.1),
-        number("smallest_plane", "Smallest plane", "", "Share of the lit pixels below which a plane gets no texture.",
-               0.01, 0.0, 1.0),
-        choice("light_shape", "Light shape",
-               "own: the light's own outline as each point of the plane sees it; disc: a disc of its area, parallel to "
-               "the plane.",
-               "own", {"own", "disc"}),
-        choice(
+        number_setting("size", "Texture size", "px",
+                       "Longer side of the largest plane's texture; smaller planes get less.", 1024, 16, 16384,
+                       {128, 256, 512, 1024, 2048}),
+        number_setting("planes", "Planes", "", "How many planes get a texture, those that fill most pixels first.", 8,
+                       0, 15),
+        name_setting("plane", "Plane",
+                     "auto: planes found in the view; or the name of the one object whose planes count.", "auto"),
+        choice_setting("extent", "Extent",
+                       "view: the part of a plane that is seen; object: all of its objects' faces on it.",
+                       {"view", "object"}),
+        number_setting("plane_tolerance", "Plane tolerance", "",
+                       "Unevenness of a plane, in radii of what is seen of the scene.", 1e-4, 0.0, 0.1),
+        number_setting("smallest_plane", "Smallest plane", "",
+                       "Share of the lit pixels below which a plane gets no texture.", 0.01, 0.0, 1.0),
+        choice_setting(
+            "light_shape", "Light shape",
+            "own: the light's own outline as each point of the plane sees it; disc: a disc of its area, parallel to "
+            "the plane.",
+            {"own", "disc"}),
+        choice_setting(
             "radius_model", "Radius model",
             "Growth of a penumbra with its caster's height h: disc R h / (H - h), linear k h, sun h tan(a) / cos(t); "
             "auto: disc, for a sun sun.",
-            "auto", {"auto", "linear", "disc", "sun"}),
-        number("k", "Width per height", "", "Linear radius model: k of r = k h; 0: from the light's size.", 0.0, 0.0,
-               10.0),
-        choice("match", "Match",
-               "outer: the outer half of the penumbra is as wide as the truth's; width: as wide as all of it.", "outer",
-               {"outer", "width"}),
-        choice("sheet_mode", "Sheets",
-               "envelope: cones of all points of an edge; bilinear: the paper's patch; tess: the patch as triangles.",
-               "envelope", {"envelope", "bilinear", "tess"}),
-        number("cells", "Cells", "", "Tessellated sheets: cells along each side; 0: as many as 1/255 asks for.", 0, 0,
-               32),
-        choice("cones", "Cones", "analytic, or fans of triangles; fans with bilinear and tessellated sheets only.",
-               "analytic", {"analytic", "fan"}),
-        number("segments", "Segments", "", "Triangles of a fan.", 36, 12, 72),
-        choice("edges", "Edges",
-               "silhouette; facing: all edges of light-facing triangles; all: every edge, both sides.", "silhouette",
-               {"silhouette", "facing", "all"}),
-        choice("falloff", "Falloff", "Profile of a slope; disc and disc_full: exact on a straight edge.", "linear",
-               kFalloffs),
-        choice("sides", "Sides", "outer: as published; both: the inner half of the penumbra too, with exact areas.",
-               "outer", {"outer", "both"}),
-        number("dark", "Darkest", "", "V in the umbra.", 0.0, 0.0, 1.0),
-        number("smallest_radius", "Smallest radius", "texel", "Lower limit of a penumbra's width; 0: none.", 0.0, 0.0,
-               8.0),
-        number("corner_radius", "Corner radius", "", "Rectangle lights: share of the half sides that is rounded.", 0.0,
-               0.0, 1.0),
-        number("lozenge_radius", "Lozenge radius", "", "Line lights: half width over half length.", 0.02, 0.001, 1.0),
-        choice("store", "Store", "float; byte: 8 bits; depth: a 16-bit depth buffer, darkest by depth test.", "float",
-               {"float", "byte", "depth"}),
-        number("hither", "Hither", "", "Depth of the umbra, where depth is stored.", 0.0, 0.0, 0.9),
-        number("yon", "Yon", "", "Depth of full light, where depth is stored.", 1.0, 0.1, 1.0),
-        choice("off_planes", "Off planes",
-               "Receivers on no plane: hard; or slopes of the plane behind them, narrowed by their height, or as "
-               "projected.",
-               "hard", {"hard", "narrowed", "projected"}),
+            {"auto", "linear", "disc", "sun"}),
+        number_setting("k", "Width per height", "", "Linear radius model: k of r = k h; 0: from the light's size.", 0.0,
+                       0.0, 10.0),
+        choice_setting("match", "Match",
+                       "outer: the outer half of the penumbra is as wide as the truth's; width: as wide as all of it.",
+                       {"outer", "width"}),
+        choice_setting(
+            "sheet_mode", "Sheets",
+            "envelope: cones of all points of an edge; bilinear: the paper's patch; tess: the patch as triangles.",
+            {"envelope", "bilinear", "tess"}),
+        number_setting("cells", "Cells", "", "Tessellated sheets: cells along each side; 0: as many as 1/255 asks for.",
+                       0, 0, 32),
+        choice_setting("cones", "Cones",
+                       "analytic, or fans of triangles; fans with bilinear and tessellated sheets only.",
+                       {"analytic", "fan"}),
+        number_setting("segments", "Segments", "", "Triangles of a fan.", 36, 12, 72),
+        choice_setting("edges", "Edges",
+                       "silhouette; facing: all edges of light-facing triangles; all: every edge, both sides.",
+                       {"silhouette", "facing", "all"}),
+        choice_setting("falloff", "Falloff", "Profile of a slope; disc and disc_full: exact on a straight edge.",
+                       kFalloffs),
+        choice_setting("sides", "Sides",
+                       "outer: as published; both: the inner half of the penumbra too, with exact areas.",
+                       {"outer", "both"}),
+        number_setting("dark", "Darkest", "", "V in the umbra.", 0.0, 0.0, 1.0),
+        number_setting("smallest_radius", "Smallest radius", "texel", "Lower limit of a penumbra's width; 0: none.",
+                       0.0, 0.0, 8.0),
+        number_setting("corner_radius", "Corner radius", "",
+                       "Rectangle lights: share of the half sides that is rounded.", 0.0, 0.0, 1.0),
+        number_setting("lozenge_radius", "Lozenge radius", "", "Line lights: half width over half length.", 0.02, 0.001,
+                       1.0),
+        choice_setting("store", "Store", "float; byte: 8 bits; depth: a 16-bit depth buffer, darkest by depth test.",
+                       {"float", "byte", "depth"}),
+        number_setting("hither", "Hither", "", "Depth of the umbra, where depth is stored.", 0.0, 0.0, 0.9),
+        number_setting("yon", "Yon", "", "Depth of full light, where depth is stored.", 1.0, 0.1, 1.0),
+        choice_setting(
+            "off_planes", "Off planes",
+            "Receivers on no plane: hard; or slopes of the plane behind them, narrowed by their height, or as "
+            "projected.",
+            {"hard", "narrowed", "projected"}),
     };
     settings.push_back(silhouette_setting());
     for (SettingInfo& setting : map_settings("slope", true)) {

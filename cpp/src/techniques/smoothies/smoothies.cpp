@@ -4,6 +4,7 @@
 
 #include "passes/debug_picture.h"
 #include "passes/frame.h"
+#include "scene/setting_forms.h"
 #include "techniques/all_lights.h"
 
 namespace penumbra {
@@ -17,19 +18,6 @@ constexpr const char* kLookup = "lookup";
 constexpr int kInnerUnit = 5;
 constexpr glm::vec3 kOrange{1.0F, 0.45F, 0.1F};
 
-SettingInfo choice(const char* id, const char* label, const char* help, std::vector<std::string> choices) {
-    std::string first = choices.front();
-    return {.id = id,
-            .label = label,
-            .unit = "",
-            .help = help,
-            .default_value = std::move(first),
-            .minimum = 0,
-            .maximum = 0,
-            .choices = std::move(choices),
-            .sweep = {}};
-}
-
 const std::vector<std::string> kWidths{"light", "disc", "fixed"};
 const std::vector<std::string> kFilters{"bilinear", "published", "nearest"};
 const std::vector<std::string> kFalloffs{"sinusoidal", "linear", "cubic", "disc"};
@@ -42,56 +30,50 @@ const std::vector<std::string> kStore{"auto", "on", "off"};
 std::vector<SettingInfo> smoothie_settings() {
     std::vector<SettingInfo> settings = map_settings("slope", false);
     settings.push_back(silhouette_setting());
-    settings.push_back(choice("width", "Width",
-                              "Of the smoothies: what the light's shape gives, or a disc of its area; or the plain t "
-                              "as published, whatever the light.",
-                              kWidths));
-    settings.push_back({.id = "t",
-                        .label = "Plain width t",
-                        .unit = "half map",
-                        .help = "Width of a smoothie with width = fixed, in half extents of the map (a sun: metres of "
-                                "penumbra per metre behind the caster); 0.02 to 0.2 are useful, 0 switches it off.",
-                        .default_value = 0.05,
-                        .minimum = 0.0,
-                        .maximum = 4.0,
-                        .choices = {},
-                        .sweep = {}});
-    settings.push_back(choice("falloff", "Falloff", "From alpha to V.", kFalloffs));
-    settings.push_back(choice("filter", "Filter",
-                              "Three-way test per texel, then bilinear; or the published shader, whose umbra grows by "
-                              "up to a texel; or the nearest texel alone.",
-                              kFilters));
-    settings.push_back({.id = "remap",
-                        .label = "Remap",
-                        .unit = "",
-                        .help = "Penumbrae open with the distance from the contact; off: one width everywhere.",
-                        .default_value = true,
-                        .minimum = 0,
-                        .maximum = 0,
-                        .choices = {},
-                        .sweep = {}});
-    settings.push_back(choice("corners", "Corners",
-                              "Wedges of each fan of triangles; or the thesis' tip triangles where more than two "
-                              "silhouettes meet; or none.",
-                              kCorners));
-    settings.push_back(choice("depth_from", "Receiver depth",
-                              "Whose depth the remap divides by: the nearest receiver's, or as published the nearest "
-                              "caster's, too wide on receivers that do not cast.",
-                              kDepthFrom));
-    settings.push_back(choice("store_depth", "Smoothie depth",
-                              "Keep the smoothies' own depth for receivers in front of them: where one may be, always, "
-                              "or never as in the published short form.",
-                              kStore));
-    settings.push_back(choice("sides", "Sides",
-                              "outer: as published, dark inside the hard edge; both: the inner half of the penumbra "
-                              "too, with exact areas instead of the falloff (ours, not in the paper).",
-                              {"outer", "both"}));
     settings.push_back(
-        choice("passes", "Passes", "Depth and alpha of the smoothies in one pass, or in two as published.", kPasses));
-    settings.push_back(choice("resize", "Remap at",
-                              "Every texel, or at the outer vertices alone: cheaper to shade, wrong where the "
-                              "receiver's depth jumps.",
-                              kResize));
+        choice_setting("width", "Width",
+                       "Of the smoothies: what the light's shape gives, or a disc of its area; or the plain t "
+                       "as published, whatever the light.",
+                       kWidths));
+    settings.push_back(
+        number_setting("t", "Plain width t", "half map",
+                       "Width of a smoothie with width = fixed, in half extents of the map (a sun: metres of "
+                       "penumbra per metre behind the caster); 0.02 to 0.2 are useful, 0 switches it off.",
+                       0.05, 0.0, 4.0));
+    settings.push_back(choice_setting("falloff", "Falloff", "From alpha to V.", kFalloffs));
+    settings.push_back(
+        choice_setting("filter", "Filter",
+                       "Three-way test per texel, then bilinear; or the published shader, whose umbra grows by "
+                       "up to a texel; or the nearest texel alone.",
+                       kFilters));
+    settings.push_back(toggle_setting(
+        "remap", "Remap", "Penumbrae open with the distance from the contact; off: one width everywhere.", true));
+    settings.push_back(
+        choice_setting("corners", "Corners",
+                       "Wedges of each fan of triangles; or the thesis' tip triangles where more than two "
+                       "silhouettes meet; or none.",
+                       kCorners));
+    settings.push_back(
+        choice_setting("depth_from", "Receiver depth",
+                       "Whose depth the remap divides by: the nearest receiver's, or as published the nearest "
+                       "caster's, too wide on receivers that do not cast.",
+                       kDepthFrom));
+    settings.push_back(
+        choice_setting("store_depth", "Smoothie depth",
+                       "Keep the smoothies' own depth for receivers in front of them: where one may be, always, "
+                       "or never as in the published short form.",
+                       kStore));
+    settings.push_back(
+        choice_setting("sides", "Sides",
+                       "outer: as published, dark inside the hard edge; both: the inner half of the penumbra "
+                       "too, with exact areas instead of the falloff (ours, not in the paper).",
+                       {"outer", "both"}));
+    settings.push_back(choice_setting(
+        "passes", "Passes", "Depth and alpha of the smoothies in one pass, or in two as published.", kPasses));
+    settings.push_back(choice_setting("resize", "Remap at",
+                                      "Every texel, or at the outer vertices alone: cheaper to shade, wrong where the "
+                                      "receiver's depth jumps.",
+                                      kResize));
     return settings;
 }
 
