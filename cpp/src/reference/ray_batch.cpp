@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include "reference/four_lanes.h"
 
@@ -24,9 +25,12 @@ void RayBatch::append_to_stream() noexcept {
     const RayPacket& packet = packets_[0];
     embree::Ray* ray = &rays_[static_cast<std::size_t>(packet_count_) * kRayLanes];
     constexpr std::size_t kStride = sizeof(embree::Ray) / sizeof(float);
+    constexpr std::size_t kDirection = offsetof(embree::Ray, dir_x) / sizeof(float);
     for (int i = 0; i < kRayLanes; i += 4, ray += 4) {
-        interleave(&packet.org_x[i], &packet.org_y[i], &packet.org_z[i], &packet.tnear[i], &ray->org_x, kStride);
-        interleave(&packet.dir_x[i], &packet.dir_y[i], &packet.dir_z[i], &packet.time[i], &ray->dir_x, kStride);
+        auto* const numbers = reinterpret_cast<float*>(ray);  // of the ray as a whole, not of its first member
+        interleave(&packet.org_x[i], &packet.org_y[i], &packet.org_z[i], &packet.tnear[i], numbers, kStride);
+        interleave(&packet.dir_x[i], &packet.dir_y[i], &packet.dir_z[i], &packet.time[i], numbers + kDirection,
+                   kStride);
         for (int k = 0; k < 4; ++k) {
             ray[k].tfar = packet.tfar[i + k];
         }
