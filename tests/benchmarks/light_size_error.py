@@ -46,8 +46,9 @@ Written by hand, for the run that is committed.
   errs by 0.289 as a hard edge does; the smooth falloffs that are their defaults err by 0.309. They look soft; they are
   not nearer. Penumbra maps are the darkest, since their published ramp is linear in depth along the ray: 0.309 where
   edge and receiver are close, up to 0.446 where the receiver is four times as far (plaza).
-- **With `sides=both` the error falls to a third or half of the hard shadow's** (0.04 to 0.2), and the signed error to
-  nearly nothing. fandisk, with few long edges, is the best case: an edge is straight there as far as the light reaches.
+- **With `sides=both` the error falls to a third or half of the hard shadow's** (0.04 to 0.23; 0.27 to 0.32 on the desk
+  at 0.05), and the signed error to nearly nothing. fandisk, with few long edges, is the best case: an edge is straight
+  there as far as the light reaches.
 - **Large lights (1)**: umbrae that should shrink stay, and silhouettes are those of the light's centre. Seen in the
   bunny's ears and feet, and on the plaza, where nearly all pixels lie in some penumbra and the hard shadow errs by
   0.40. Here sixteen hard maps win clearly.
