@@ -404,6 +404,8 @@ def _render(arguments: argparse.Namespace) -> int:
         progress.finish()
     for note in frame.notes:
         _say(note)
+    for light, statistics in frame.statistics.items():
+        print(f"{light}: {', '.join(f'{statistic.label} {statistic.text()}' for statistic in statistics)}")
     print(arguments.out)
     return errors.OK
 

@@ -27,6 +27,7 @@ from .records import (
     SceneResult,
     Settings,
     Spread,
+    Statistic,
     Step,
     Value,
 )
@@ -319,6 +320,7 @@ class Comparer:
         record.seeds = len(seeds)
         record.memory_bytes = int(first["memory_bytes"])
         record.plan = [_step(step) for step in first["plan"]]
+        record.statistics = [Statistic(**statistic) for statistic in first["statistics"]]
         measure, mask = self._core.measure_errors, reference.mask
         record.area = dict(measure(pictures, reference.area, reference.standard_error, mask))
         record.irradiance = dict(measure(pictures, reference.irradiance, reference.irradiance_standard_error, mask))

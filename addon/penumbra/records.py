@@ -48,6 +48,25 @@ class Step:
 
 
 @dataclass(slots=True)
+class Statistic:
+    """A count or share that the technique reports of its frame."""
+
+    id: str
+    label: str
+    unit: str
+    value: float
+
+    def text(self) -> str:
+        """Shares in percent, counts with their thousands apart, other numbers to three digits."""
+        if not math.isfinite(self.value):
+            return "–"
+        if self.unit.startswith("share"):
+            return f"{100.0 * self.value:.3g} % {self.unit.removeprefix('share').strip()}".strip()
+        text = f"{self.value:,.0f}" if float(self.value).is_integer() else f"{self.value:.3g}"
+        return f"{text} {self.unit}".strip()
+
+
+@dataclass(slots=True)
 class Record:
     """One technique with one set of settings at one light."""
 
@@ -64,6 +83,7 @@ class Record:
     time_ms: dict[str, Spread] = field(default_factory=dict)  # setup, dynamic, static, view
     memory_bytes: int = 0
     plan: list[Step] = field(default_factory=list)
+    statistics: list[Statistic] = field(default_factory=list)
     images: dict[str, str] = field(default_factory=dict)
     on_pareto_front: bool = False
     visibility: Image | None = None  # dropped once the images are written
@@ -231,6 +251,7 @@ def _record(record: Record) -> dict[str, Any]:
         "dominant_error": record.area["dominant"],
         "sentence": record.area["sentence"],
         "plan": [asdict(step) for step in record.plan],
+        "statistics": [asdict(statistic) for statistic in record.statistics],
         "images": record.images,
         "on_pareto_front": record.on_pareto_front,
     }

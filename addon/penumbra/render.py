@@ -12,7 +12,7 @@ import numpy as np
 from . import images
 from .files import write_bytes
 from .progress import Progress
-from .records import Image, Settings
+from .records import Image, Settings, Statistic
 
 if TYPE_CHECKING:
     from .bridge import SceneExport
@@ -28,6 +28,7 @@ class Frame:
     white: float  # radiance shown as white
     layers: dict[str, Image] = field(default_factory=dict)  # further EXR channels by full name
     notes: list[str] = field(default_factory=list)
+    statistics: dict[str, list[Statistic]] = field(default_factory=dict)  # by light, where the technique has any
 
     def write(self, path: Path) -> None:
         """.png: the sRGB view, exposed so that a well lit white surface is white; .exr: everything, unclipped."""
@@ -76,6 +77,8 @@ def render(
         else:
             answer = renderer.visibility(index, technique, settings, keep_everything=keep_everything, progress=progress)
             visibility = np.asarray(answer["visibility"])
+            if answer["statistics"]:
+                frame.statistics[name] = [Statistic(**statistic) for statistic in answer["statistics"]]
         unshadowed += arriving
         irradiance += arriving * visibility[..., None]
         layer = _layer_name(name)

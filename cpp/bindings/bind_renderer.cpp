@@ -106,7 +106,8 @@ py::dict visibility(PyRenderer& self, std::size_t light, const std::string& tech
                                   progress, technique);
     const py::dict times("setup"_a = r.setup_ms, "update"_a = r.update_ms, "resolve"_a = r.resolve_ms);
     return py::dict("visibility"_a = self.image(std::move(r.visibility)), "settings"_a = to_python(r.settings),
-                    "plan"_a = to_python(r.plan), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
+                    "plan"_a = to_python(r.plan), "statistics"_a = to_python(r.statistics),
+                    "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
 }
 
 py::list debug_images(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
@@ -228,7 +229,7 @@ void bind_renderer(py::module_& m) {
             "Empty, or why the technique cannot serve the light.")
         .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "keep_everything"_a = false, "progress"_a = py::none(),
-             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, memory_bytes, time_ms}.")
+             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.")
         .def("debug_images", &debug_images, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "views"_a = std::vector<std::string>{}, "progress"_a = py::none(),
              "Pictures of the technique's inside: {id, title, caption, rgb (h, w, 3) float32, display values 0 .. 1}.\n"

@@ -49,6 +49,14 @@ py::list to_python(const Plan& plan) {
     return steps;
 }
 
+py::list to_python(const std::vector<Statistic>& statistics) {
+    py::list all;
+    for (const Statistic& s : statistics) {
+        all.append(py::dict("id"_a = s.id, "label"_a = s.label, "unit"_a = s.unit, "value"_a = s.value));
+    }
+    return all;
+}
+
 py::dict to_python(const TimeSummary& times) {
     return py::dict("median"_a = times.median, "p10"_a = times.p10, "p90"_a = times.p90, "low"_a = times.low,
                     "high"_a = times.high, "runs"_a = times.runs);

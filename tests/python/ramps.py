@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from penumbra import verdict
 from penumbra.compare import reference_info
-from penumbra.records import Comparison, LightResult, Record, ReferenceResult, SceneResult, Spread, Step
+from penumbra.records import Comparison, LightResult, Record, ReferenceResult, SceneResult, Spread, Statistic, Step
 
 CLEAR = 1e-4  # the penumbra is where the truth lies between this and one minus this
 
@@ -183,6 +183,10 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
                 "view": spread(4.2),
             }
             record.memory_bytes = 4 << 20
+            record.statistics = [
+                Statistic("rays", "Rays cast", "rays", 1234567.0),
+                Statistic("tagged", "Tagged pixels", "share of the mask", 0.0512),
+            ]
             record.plan = [
                 Step("depth map", "run", time_ms=cost * 0.3),
                 Step("lookup", "run", time_ms=cost * 0.7),

@@ -96,6 +96,7 @@ def test_a_comparison_has_a_complete_record_per_technique(core: Any, renderer: A
         assert record.area is not None
         assert record.area["penumbra_pixels"] > 20
         assert any(step.state == "run" for step in record.plan)
+    assert [statistic.id for statistic in light.records[1].statistics] == ["rays"]
     assert light.records[0].seeds == 1
     assert light.records[1].seeds == 4
     assert light.irradiance is not None

@@ -52,6 +52,14 @@ def test_an_exr_holds_the_arrays_that_were_measured(made: tuple[Path, dict[str, 
     assert np.array_equal(exr(folder / first["images"]["visibility"])["visibility"], kept["shadow_map"])
 
 
+def test_what_a_technique_counted_stands_in_the_report(made: tuple[Path, dict[str, Any]]) -> None:
+    record = report_of(made[0])["scenes"][0]["lights"][0]["records"][0]
+    assert [statistic["id"] for statistic in record["statistics"]] == ["rays", "tagged"]
+    page = (made[0] / "report.html").read_text(encoding="utf-8")
+    assert "Rays cast: <b>1,234,567 rays</b>" in page
+    assert "Tagged pixels: <b>5.12 % of the mask</b>" in page
+
+
 def test_scenes_of_one_name_do_not_overwrite_each_other(made: tuple[Path, dict[str, Any]]) -> None:
     scenes = report_of(made[0])["scenes"]
     paths = [scene["lights"][0]["reference"]["images"]["area"] for scene in scenes]

@@ -337,7 +337,7 @@ class Renderer:
         progress: typing.Any = None,
     ) -> dict:
         """
-        {visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, memory_bytes, time_ms}.
+        {visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.
         """
     @property
     def environment(self) -> dict: ...

@@ -44,6 +44,7 @@ struct VisibilityResult {
     std::vector<float> visibility;  ///< as View, row 0 at the bottom; 1 outside the mask
     Settings settings;              ///< complete
     Plan plan;
+    std::vector<Statistic> statistics;
     std::size_t memory_bytes = 0;  ///< kept by the technique between frames
     double setup_ms = 0.0, update_ms = 0.0, resolve_ms = 0.0;
 };

@@ -44,6 +44,14 @@ struct DebugView {
     std::string title;  ///< "Silhouettes as the light sees them"
 };
 
+/// A count or a share that a technique reports of the frame just made: tagged pixels, rays cast.
+struct Statistic {
+    std::string id;     ///< "tagged_share"
+    std::string label;  ///< "Tagged pixels"
+    std::string unit;   ///< "pixels", "rays", "share of the mask" (then 0 .. 1)
+    double value = 0.0;
+};
+
 /// V of one light on a flat piece of the scene, to be laid over it as a texture.
 struct BakedTexture {
     std::string name;  ///< of the surface
@@ -76,6 +84,9 @@ public:
     [[nodiscard]] virtual std::vector<DebugView> debug_views(const Plan& /*plan*/) const { return {}; }
     /// After update() and resolve(). @param id one of debug_views()
     [[nodiscard]] virtual DebugImage debug_image(Frame& /*frame*/, std::string_view /*id*/) { return {}; }
+    /// Of the frame just made, after update() and resolve(); may wait for the device and may draw again to count, and
+    /// is no part of any time.
+    [[nodiscard]] virtual std::vector<Statistic> statistics(Frame& /*frame*/) { return {}; }
     /// The technique's own textures of V on surfaces of the scene, after update(); empty if it makes none.
     [[nodiscard]] virtual std::vector<BakedTexture> bake(Frame& /*frame*/) { return {}; }
 };

@@ -295,6 +295,8 @@ VisibilityResult Renderer::visibility(std::size_t light, const Job& job, bool ke
         result.settings = run->settings;
         result.plan = run->plan;
         result.memory_bytes = run->technique->memory_bytes();
+        result.statistics = run->technique->statistics(*run->frame);
+        check_gl("statistics of " + job.technique);
         return result;
     });
 }

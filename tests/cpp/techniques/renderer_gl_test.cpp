@@ -114,6 +114,21 @@ TEST_F(RendererContract, MeasuringGivesEveryTimeAndEveryStep) {
     EXPECT_GT(measured[1].memory_bytes, measured[0].memory_bytes) << "four maps against one";
 }
 
+TEST_F(RendererContract, StatisticsAreOfTheFrameJustMade) {
+    renderer().set_scene(edge());
+    const std::uint64_t asked = renderer().light_report(0, false, control_).lit_pixels;
+    const auto result = renderer().visibility(0, {"ray_traced", {{"rays", 3}}}, false, control_);
+    ASSERT_EQ(result.statistics.size(), 1U);
+    EXPECT_EQ(result.statistics[0].id, "rays");
+    EXPECT_EQ(result.statistics[0].value, 3.0 * static_cast<double>(asked));
+
+    Scene lonely = edge();
+    lonely.instances.resize(1);
+    lonely.instances[0].casts = false;
+    renderer().set_scene(lonely);
+    EXPECT_TRUE(renderer().visibility(0, {"ray_traced", {}}, false, control_).statistics.empty()) << "no ray was cast";
+}
+
 TEST_F(RendererContract, ProgressOfMeasuringNeverFalls) {
     renderer().set_scene(edge());
     const std::vector<Job> jobs{{"ray_traced", {{"rays", 64}}}};

@@ -102,9 +102,16 @@ void RayTraced::resolve(Frame& frame) {
     frame.step("rays", [&] {
         const TraceOptions options{
             .rays_per_pixel = rays_, .seed = seed_, .early_out = early_out_, .early_out_rays = early_out_rays_};
-        trace_visibility(frame.ray_scene(), frame.scene(), frame.view(), frame.light(), frame.summary().mask, options,
-                         frame.visibility_on_cpu(), frame.control());
+        rays_cast_ = trace_visibility(frame.ray_scene(), frame.scene(), frame.view(), frame.light(),
+                                      frame.summary().mask, options, frame.visibility_on_cpu(), frame.control());
     });
+}
+
+std::vector<Statistic> RayTraced::statistics(Frame& frame) {
+    if (!frame.plan().runs("rays")) {
+        return {};
+    }
+    return {{.id = "rays", .label = "Rays cast", .unit = "rays", .value = static_cast<double>(rays_cast_)}};
 }
 
 }  // namespace penumbra

@@ -20,12 +20,14 @@ public:
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
     [[nodiscard]] std::size_t memory_bytes() const noexcept override { return 0; }
+    [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
 
 private:
     int rays_;
     std::uint32_t seed_;
     bool early_out_;
     int early_out_rays_;
+    std::uint64_t rays_cast_ = 0;  ///< of the last frame
 };
 
 }  // namespace penumbra
