@@ -65,6 +65,8 @@ public:
 
     /// Edges that could be silhouettes: of all instances given to prepare().
     [[nodiscard]] std::uint64_t edge_count() const noexcept { return edge_count_; }
+    /// Records that the buffer holds at most; extract() may raise it.
+    [[nodiscard]] std::uint64_t capacity() const noexcept { return capacity_; }
     /// Waits for the device: for tests, debug views and reports.
     [[nodiscard]] std::uint32_t read_count() const;
     [[nodiscard]] std::vector<gpu::SilhouetteRecord> read() const;

@@ -765,6 +765,78 @@ TEST_F(PlateausGl, SlopesUnderTheUmbraAreLeftOutWithoutAChange) {
     EXPECT_EQ(skipped.size(), all.size());
 }
 
+// The saving is exact: whatever is drawn, and however it is stored, the same bits with and without it.
+TEST_F(PlateausGl, HiddenSilhouettesAndUnseenTexelsAreLeftOutWithoutAChange) {
+    const std::vector<Light> lights{disc_light({0.8, -0.6, 4.0}, 0.4),
+                                    scenes::rectangle_light({-0.8, 0.6, 4.0}, 1.2, 0.4),
+                                    scenes::point_light({0.8, -0.6, 3.0}, 0.4),
+                                    scenes::sun_light({1.0, 0.3, -0.6}, 0.2), triangle_light({0.3, 0.2, 3.0}, 0.5)};
+    const std::vector<Settings> variants{
+        {},
+        with({}, "sides", "both"),
+        with({}, "edges", "all"),
+        with({}, "sheet_mode", "bilinear"),
+        with(with({}, "sheet_mode", "bilinear"), "cones", "fan"),
+        with({{"cells", 3}}, "sheet_mode", "tess"),
+        with({}, "store", "byte"),
+        with({}, "store", "depth"),
+        with(with({}, "off_planes", "narrowed"), "plane", "ground"),
+    };
+    for (const Light& light : lights) {
+        Scene scene = picture_scene(light);
+        scene.camera.width_px = 120;
+        scene.camera.height_px = 90;
+        for (std::size_t i = 0; i < variants.size(); ++i) {
+            Settings settings = variants[i];
+            settings["size"] = 256;
+            ASSERT_EQ(visibility(scene, "plateaus", settings), visibility(scene, "plateaus", settings, true))
+                << "light " << static_cast<int>(light.kind) << " variant " << i;
+        }
+    }
+}
+
+TEST_F(PlateausGl, ABoxUnderAnotherOnesUmbraHasNoSlopes) {
+    const auto slab = scenes::place(scenes::box({-0.8F, -0.8F, 1.0F}, {0.8F, 0.8F, 1.1F}), "slab");
+    const auto box_at = [&](double x) {
+        return scenes::place(scenes::box({-0.2F, -0.2F, 0.2F}, {0.2F, 0.2F, 0.5F}), "box", {x, 0, 0});
+    };
+    const auto counts = [&](const std::vector<Instance>& casters, const char* sides) {
+        const Scene scene = over_floor(disc_light({0, 0, 4}, 0.4), casters, 2.0, 128);
+        renderer().set_scene(scene);
+        const Settings settings = with({{"size", 512}}, "sides", sides);
+        const std::vector<std::string> views{"primitives"};
+        const auto pictures = renderer().debug_images(0, {"plateaus", settings}, views, control_);
+        int hidden = 0, all = 0;
+        const std::string& caption = pictures.at(0).image.caption;
+        std::sscanf(caption.c_str() + caption.find("red:"), "red: %d of %d", &hidden, &all);
+        return glm::ivec2{hidden, all};
+    };
+    for (const char* sides : {"outer", "both"}) {
+        const glm::ivec2 alone = counts({slab}, sides);
+        const glm::ivec2 under = counts({slab, box_at(0.0)}, sides);
+        const glm::ivec2 beside = counts({slab, box_at(1.5)}, sides);
+        EXPECT_EQ(alone.x, 0) << sides;
+        EXPECT_GE(under.y, alone.y + 4) << sides;
+        EXPECT_EQ(under.x, under.y - alone.y) << sides;
+        EXPECT_EQ(beside.x, 0) << sides;
+    }
+}
+
+TEST_F(PlateausGl, SlopesUnderTheUmbraAreKeptWhereReceiversOffThePlaneReadThem) {
+    const Scene scene = picture_scene(disc_light({0.8, -0.6, 4.0}, 0.4));
+    EXPECT_TRUE(rule_fires(scene, "silhouette-under-umbra"));
+    EXPECT_TRUE(rule_fires(scene, "texel-without-pixel"));
+    for (const char* rule : {"silhouette-under-umbra", "texel-without-pixel"}) {
+        EXPECT_FALSE(rule_fires(scene, rule, true)) << rule;
+        renderer().set_scene(scene);
+        const Plan plan =
+            renderer().visibility(0, {"plateaus", with({}, "off_planes", "narrowed")}, false, control_).plan;
+        for (const Step& step : plan.steps) {
+            EXPECT_NE(step.rule, rule);  // slopes under the umbra are read there
+        }
+    }
+}
+
 TEST_F(PlateausGl, TheBakedTextureLiesWhereItsCornersSay) {
     const Scene scene = picture_scene(scenes::rectangle_light({0.8, -0.6, 4.0}, 0.8, 0.4));
     const auto textures = bake(scene, {{"size", 512}});

@@ -18,6 +18,7 @@ constexpr const char* kLookup = "techniques/plateaus/lookup.frag";
 constexpr const char* kNoPlane = "every visible receiver lies on a plane with a texture of its own";
 constexpr double kClipAtLight = 0.999;  ///< of the light's height: what is higher has no bounded image
 constexpr int kBorder_px = 2;
+constexpr int kLevels = 5;  ///< of the pyramid of covered cells: every second one is used, 4, 16 and 64 texels wide
 constexpr double kNothingDarkest = 4095.0 * 4096.0 + 4095.0;  ///< lit, from the height 0 (slopes.frag)
 
 const std::vector<std::string> kFalloffs{"linear", "sine", "smoothstep", "disc", "disc_full"};
@@ -104,6 +105,16 @@ EdgeChoice edge_choice(const std::string& name) {
     return name == "silhouette" ? EdgeChoice::Silhouettes
                                 : (name == "facing" ? EdgeChoice::LightFacing : EdgeChoice::All);
 }
+
+/// Of sift.vert: what is counted, and the draws that it makes.
+struct PlaneDraws {
+    struct Command {
+        std::uint32_t count, instance_count, first, base_instance;
+    };
+    std::uint32_t kept, in_window, hidden, unused;
+    std::array<Command, 3> draws;
+};
+static_assert(sizeof(PlaneDraws) == 64);
 
 /// Textures in a row, bottom aligned.
 DebugImage side_by_side(const std::vector<BakedTexture>& textures, std::string caption) {
@@ -228,6 +239,15 @@ bool Plateaus::slopes_off_planes(const Layout& layout) const noexcept {
 
 bool Plateaus::skips_umbra() const noexcept {
     return store_ != Store::Depth && !both_sides_ && !slopes_off_planes(layout_);
+}
+
+bool Plateaus::sifts(const LightSummary& summary, const Layout& layout) const noexcept {
+    return !summary.keep_everything && !slopes_off_planes(layout);  // those read slopes under the umbra too
+}
+
+bool Plateaus::skips_unseen(const LightSummary& summary, const Layout& layout) const noexcept {
+    // A texture of whole objects is for baking, and where depth is the store there is no second depth to skip by.
+    return sifts(summary, layout) && !finding_.whole && store_ != Store::Depth;
 }
 
 Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
@@ -369,6 +389,14 @@ Plan Plateaus::plan(const LightSummary& summary) const {
         for (std::size_t p = 0; p < layout.blocks.size(); ++p) {
             plan.run(step_of(layout, p));
         }
+        if (sifts(summary, layout)) {
+            plan.leave_out("hidden silhouettes", "silhouette-under-umbra",
+                           "found on the device for each plane: all of an edge's sheet and cone lies under the umbra, "
+                           "or where no pixel looks");
+        }
+        if (skips_unseen(summary, layout)) {
+            plan.leave_out("unseen texels", "texel-without-pixel", "no pixel of the view looks them up");
+        }
     }
     plan.run("lookup");
     return plan;
@@ -427,8 +455,19 @@ void Plateaus::prepare(Frame& frame) {
     darkest_ = slopes_off_planes(layout_)
                    ? TextureImage::make_array(GL_R32F, width, height, layers, "heights of the darkest casters")
                    : TextureImage{};
-    umbra_depth_ =
-        skips_umbra() ? TextureImage::make_2d(GL_DEPTH_COMPONENT16, width, height, "umbra of a plane") : TextureImage{};
+    sifts_ = sifts(frame.summary(), layout_);
+    const bool skips = skips_unseen(frame.summary(), layout_);
+    wanted_ = skips ? TextureImage::make_array(GL_R8, width, height, layers, "texels looked up") : TextureImage{};
+    if (skips) {
+        wanted_.upload(std::span<const std::uint8_t>{texels_looked_up(view)});
+    }
+    skip_depth_ = skips || skips_umbra()
+                      ? TextureImage::make_2d(GL_DEPTH_COMPONENT16, width, height, "texels without slopes")
+                      : TextureImage{};
+    const glm::ivec2 blocks = (glm::ivec2{width, height} + 63) / 64;
+    covered_ =
+        sifts_ ? TextureImage::make_2d(GL_RG8, 16 * blocks.x, 16 * blocks.y, "covered cells", kLevels) : TextureImage{};
+    no_attributes_ = VertexArray::create();
     umbra_targets_.clear();
     slope_targets_.clear();
     for (int layer = 0; layer < layers; ++layer) {
@@ -440,8 +479,8 @@ void Plateaus::prepare(Frame& frame) {
             } else {
                 target->attach_colour(0, slopes_, layer);
             }
-            if (umbra_depth_) {
-                target->attach_depth(umbra_depth_);
+            if (skip_depth_) {
+                target->attach_depth(skip_depth_);
             }
         }
         if (both_sides_) {
@@ -451,6 +490,7 @@ void Plateaus::prepare(Frame& frame) {
             slopes.attach_colour(1, darkest_, layer);
         }
     }
+    draws_ = StorageBuffer(static_cast<std::size_t>(layers) * sizeof(PlaneDraws), "draws of planes");
     silhouettes_.prepare(frame, frame.gpu_scene(), frame.adjacency(), frame.summary().casters);
     const GpuScene& scene = frame.gpu_scene();
     std::vector<std::uint32_t> first_box(std::max<std::size_t>(1, scene.instance_count()), 0);
@@ -468,7 +508,32 @@ void Plateaus::bind_block() {
     block_.bind_uniform(2);
 }
 
-void Plateaus::draw_umbra(Frame& frame, std::size_t plane) {
+std::vector<std::uint8_t> Plateaus::texels_looked_up(const View& view) const {
+    const std::size_t layer = static_cast<std::size_t>(layout_.width_px) * layout_.height_px;
+    std::vector<std::uint8_t> wanted(layer * layout_.blocks.size(), 0);
+    constexpr double kRounding = 0.05;  // of the shader's texel coordinates, and more
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        const std::size_t p = layout_.receivers.plane_of_pixel[i];
+        if (p >= layout_.blocks.size()) {
+            continue;
+        }
+        const PlanarReceiver& plane = layout_.receivers.planes[p];
+        const gpu::PlateauPlane& block = layout_.blocks[p];
+        const glm::dvec3 offset = view.eye_ws + glm::dvec3{view.position_cr[i]} - plane.origin_ws;
+        const glm::dvec2 at{glm::dot(offset, plane.axis_x), glm::dot(offset, plane.axis_y)};
+        const glm::dvec2 texel = (at - glm::dvec2{block.window}) / static_cast<double>(block.window.z) - 0.5;
+        const glm::ivec2 last = glm::ivec2{block.size} - 1;
+        const glm::ivec2 low = glm::clamp(glm::ivec2{glm::floor(texel - kRounding)}, glm::ivec2{0}, last);
+        const glm::ivec2 high = glm::clamp(glm::ivec2{glm::floor(texel + kRounding)} + 1, glm::ivec2{0}, last);
+        for (int y = low.y; y <= high.y; ++y) {
+            std::uint8_t* row = wanted.data() + p * layer + static_cast<std::size_t>(y) * layout_.width_px;
+            std::fill(row + low.x, row + high.x + 1, std::uint8_t{255});
+        }
+    }
+    return wanted;
+}
+
+void Plateaus::draw_umbra(Frame& frame, std::size_t plane, bool whole) {
     RenderTarget& target = umbra_targets_[plane];
     target.bind();
     const glm::ivec4 size = layout_.blocks[plane].size;
@@ -477,24 +542,32 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane) {
     glScissor(0, 0, size.x, size.y);
     glDisable(GL_BLEND);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    if (store_ == Store::Depth) {
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    if (store_ == Store::Depth || skip_depth_) {
         glEnable(GL_DEPTH_TEST);
         glDepthMask(GL_TRUE);
-        glDepthFunc(GL_LESS);
+        glDepthFunc(store_ == Store::Depth ? GL_LESS : GL_ALWAYS);
         target.clear_depth(1.0F);
-    } else {
-        glDisable(GL_DEPTH_TEST);
-        glDepthMask(GL_FALSE);
-        if (umbra_depth_) {
-            glEnable(GL_DEPTH_TEST);
-            glDepthMask(GL_TRUE);
-            glDepthFunc(GL_ALWAYS);
-            target.clear_depth(1.0F);
-        }
+    }
+    if (store_ != Store::Depth) {
         target.clear_colour(0, glm::vec4{1.0F});
         if (both_sides_) {
             target.clear_colour(1, glm::vec4{1.0F});
         }
+        if (wanted_ && !whole) {
+            const Program& skip =
+                frame.device().programs.get({"lib/fullscreen.vert", "techniques/plateaus/unwanted.frag"});
+            skip.set("plane_index", static_cast<int>(plane));
+            skip.use();
+            wanted_.bind(6);
+            glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+            glBindVertexArray(no_attributes_.name());
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+            glBindVertexArray(0);
+            glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        }
+        glDepthMask(skips_umbra() ? GL_TRUE : GL_FALSE);  // else slopes are wanted under the umbra
     }
     const Program& program =
         frame.device().programs.get({"techniques/plateaus/umbra.vert", "techniques/plateaus/umbra.frag"},
@@ -517,6 +590,69 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane) {
     glDisable(GL_SCISSOR_TEST);
 }
 
+void Plateaus::find_covered(Frame& frame, std::size_t plane, bool whole) {
+    const glm::ivec2 size{layout_.blocks[plane].size};
+    const bool wanted = wanted_ && !whole;
+    bind_block();
+    for (int level = 0; level < kLevels; level += 2) {
+        const Program& program = frame.device().programs.get(
+            {"techniques/plateaus/covered.comp"},
+            {{"LEVEL", std::to_string(level)}, {"WANTED", wanted ? "1" : "0"}, {"SIDES", both_sides_ ? "2" : "1"}});
+        // Whole cells of the coarsest level, so that each level finds all cells of the one below.
+        const glm::ivec2 cells = ((size + 63) / 64) << (4 - level);
+        program.set("plane_index", static_cast<int>(plane));
+        program.set("cells", cells);
+        if (level == 0) {
+            slopes_.bind(4);
+            if (wanted) {
+                wanted_.bind(6);
+            }
+        } else {
+            covered_.bind(4);
+        }
+        covered_.bind_image(0, GL_WRITE_ONLY, level);
+        program.use();
+        const auto groups = (glm::uvec2{cells} + 7U) / 8U;
+        glDispatchCompute(groups.x, groups.y, 1);
+        StorageBuffer::barrier();
+    }
+}
+
+void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all) {
+    const std::vector<Draw> all = draws();
+    PlaneDraws counts{};
+    glm::ivec3 per_edge{0};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        per_edge[static_cast<int>(i)] = all[i].per_edge;
+        counts.draws[i].instance_count = 1;
+    }
+    draws_.upload(std::span<const PlaneDraws>{&counts, 1}, plane);
+    const bool fans = fans_ || edges_ != EdgeChoice::Silhouettes;
+    const bool hull = sheets_ == Sheets::Tessellated || !draws_tight();
+    const char* cones = sheets_ == Sheets::Envelope ? (hull ? "0" : "1") : (fans ? "2" : "1");
+    Defines more = defines(plane);
+    more.insert(more.end(), {{"HULL", hull ? "1" : "0"},
+                             {"CONES", cones},
+                             {"SHEET", sheets_ == Sheets::Envelope ? "0" : "1"},
+                             {"KEEP_ALL", keep_all ? "1" : "0"}});
+    const Program& program =
+        frame.device().programs.get({"techniques/plateaus/sift.vert", "techniques/plateaus/nothing.frag"}, more);
+    program.set("plane_index", static_cast<int>(plane));
+    program.set("vertices_per_edge", per_edge);
+    silhouettes_.bind(0);
+    bind_block();
+    listed_.bind_storage(5);
+    draws_.bind_storage(6);
+    if (!keep_all) {
+        covered_.bind(4);
+    }
+    program.use();
+    glEnable(GL_RASTERIZER_DISCARD);
+    silhouettes_.draw(frame, GL_POINTS, 1);
+    glDisable(GL_RASTERIZER_DISCARD);
+    StorageBuffer::barrier();
+}
+
 void Plateaus::send_mail(Frame& frame) {
     const std::vector<std::uint32_t> nobody(mailboxes_.bytes() / sizeof(std::uint32_t), 0xffffffffU);
     mailboxes_.upload(std::span<const std::uint32_t>{nobody});
@@ -533,58 +669,78 @@ void Plateaus::send_mail(Frame& frame) {
     StorageBuffer::barrier();
 }
 
-void Plateaus::draw_edges(Frame& frame, std::size_t plane, Defines more, int per_edge, int row) {
-    Defines all = defines(plane);
-    all.insert(all.end(), more.begin(), more.end());
-    all.push_back({"PER_EDGE", std::to_string(per_edge)});
-    const Program& program = frame.device().programs.get(
-        {"techniques/plateaus/slopes.vert",
-         wireframe_ ? "techniques/plateaus/wireframe.frag" : "techniques/plateaus/slopes.frag"},
-        all);
-    program.set("plane_index", static_cast<int>(plane));
-    if (row >= 0) {
-        program.set("row", row);
+bool Plateaus::draws_tight() const noexcept {
+    // Around an outline a penumbra lies in the sheets of its edges and the sectors of its corners. Without corners, and
+    // on the inner side, it takes all that the light's image sweeps.
+    return sheets_ != Sheets::Envelope || (edges_ == EdgeChoice::Silhouettes && !both_sides_);
+}
+
+std::vector<Plateaus::Draw> Plateaus::draws() const {
+    const int count = cells_ > 0 ? cells_ : 32;
+    const auto part = [&](int number, int sheet, int first, int per_edge, int rows = 0) {
+        return Draw{{{"PART", std::to_string(number)},
+                     {"SHEET", std::to_string(sheet)},
+                     {"FIRST_VERTEX", std::to_string(first)},
+                     {"CELLS", std::to_string(count)},
+                     {"CELLS_BY_RULE", cells_ > 0 ? "0" : "1"},
+                     {"SEGMENTS", std::to_string(segments_)},
+                     {"MAILBOX", number == 3 ? "1" : "0"},
+                     {"PER_EDGE", std::to_string(per_edge)}},
+                    per_edge,
+                    rows};
+    };
+    if (sheets_ == Sheets::Envelope) {
+        return {draws_tight() ? part(0, 0, 0, 15) : part(1, 0, 0, 6)};
     }
-    if (store_ == Store::Depth && !wireframe_) {
-        program.set("hither_yon", hither_yon_);
+    const bool fans = fans_ || edges_ != EdgeChoice::Silhouettes;
+    std::vector<Draw> all;
+    if (sheets_ == Sheets::Bilinear) {
+        all.push_back(part(0, 1, 0, fans ? 6 : 15));
+    } else {
+        all.push_back(part(2, 1, 0, 6 * count, count));
+        if (!fans) {
+            all.push_back(part(0, 1, 6, 9));
+        }
     }
-    program.use();
-    silhouettes_.draw(frame, GL_TRIANGLES, per_edge);
+    if (fans) {
+        all.push_back(part(3, 1, 0, 3 * segments_));
+    }
+    return all;
 }
 
 void Plateaus::draw_primitives(Frame& frame, std::size_t plane) {
-    const std::string segments = std::to_string(segments_);
-    const std::string cells = std::to_string(cells_ > 0 ? cells_ : 32);
-    const auto part = [&](int number, int sheet, int first) {
-        return Defines{{"PART", std::to_string(number)},          {"SHEET", std::to_string(sheet)},
-                       {"FIRST_VERTEX", std::to_string(first)},   {"CELLS", cells},
-                       {"CELLS_BY_RULE", cells_ > 0 ? "0" : "1"}, {"SEGMENTS", segments},
-                       {"MAILBOX", number == 3 ? "1" : "0"}};
-    };
-    const bool silhouettes = edges_ == EdgeChoice::Silhouettes;
-    if (sheets_ == Sheets::Envelope) {
-        // Around an outline a penumbra lies in the sheets of its edges and the sectors of its corners. Without corners,
-        // and on the inner side, it takes all that the light's image sweeps.
-        const bool tight = silhouettes && !both_sides_;
-        draw_edges(frame, plane, part(tight ? 0 : 1, 0, 0), tight ? 15 : 6);
-    } else {
-        const bool fans = fans_ || !silhouettes;
-        if (sheets_ == Sheets::Bilinear) {
-            draw_edges(frame, plane, part(0, 1, 0), fans ? 6 : 15);
-        } else {
-            const int count = cells_ > 0 ? cells_ : 32;
-            for (int row = 0; row < count; ++row) {
-                draw_edges(frame, plane, part(2, 1, 0), 6 * count, row);
-            }
-            if (!fans) {
-                draw_edges(frame, plane, part(0, 1, 6), 9);
-            }
+    const std::vector<Draw> all = draws();
+    silhouettes_.bind(0);
+    bind_block();
+    listed_.bind_storage(5);
+    mailboxes_.bind_storage(3);
+    first_box_.bind_storage(4);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        Defines compiled = defines(plane);
+        compiled.insert(compiled.end(), all[i].defines.begin(), all[i].defines.end());
+        if (wireframe_) {
+            compiled.push_back({"HIDDEN", show_hidden_ ? "1" : "0"});
         }
-        if (fans) {
-            mailboxes_.bind_storage(3);
-            first_box_.bind_storage(4);
-            draw_edges(frame, plane, part(3, 1, 0), 3 * segments_);
+        const Program& program = frame.device().programs.get(
+            {"techniques/plateaus/slopes.vert",
+             wireframe_ ? "techniques/plateaus/wireframe.frag" : "techniques/plateaus/slopes.frag"},
+            compiled);
+        program.set("plane_index", static_cast<int>(plane));
+        if (store_ == Store::Depth && !wireframe_) {
+            program.set("hither_yon", hither_yon_);
         }
+        glBindVertexArray(no_attributes_.name());
+        glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draws_.name());
+        const std::size_t command =
+            plane * sizeof(PlaneDraws) + offsetof(PlaneDraws, draws) + i * sizeof(PlaneDraws::Command);
+        for (int row = 0; row < std::max(1, all[i].rows); ++row) {
+            if (all[i].rows > 0) {
+                program.set("row", row);
+            }
+            program.use();
+            glDrawArraysIndirect(GL_TRIANGLES, buffer_offset(command));
+        }
+        glBindVertexArray(0);
     }
 }
 
@@ -598,7 +754,7 @@ void Plateaus::draw_slopes(Frame& frame, std::size_t plane) {
         glDepthMask(GL_TRUE);
         glDepthFunc(GL_LESS);
     } else {
-        if (umbra_depth_) {
+        if (skip_depth_) {
             glEnable(GL_DEPTH_TEST);
             glDepthFunc(GL_LESS);
         } else {
@@ -619,8 +775,6 @@ void Plateaus::draw_slopes(Frame& frame, std::size_t plane) {
         umbra_.bind(2);
     }
     glDisable(GL_CULL_FACE);
-    silhouettes_.bind(0);
-    bind_block();
     draw_primitives(frame, plane);
     glDisable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
@@ -644,6 +798,10 @@ void Plateaus::update(Frame& frame) {
         if (mailboxes_.bytes() > sizeof(std::uint32_t)) {
             send_mail(frame);
         }
+        const std::size_t bytes = std::max<std::uint64_t>(1, silhouettes_.capacity()) * sizeof(std::uint32_t);
+        if (listed_.bytes() < bytes) {
+            listed_ = StorageBuffer(bytes, "silhouettes of a plane");
+        }
     });
     if (!frame.plan().runs("silhouettes")) {
         return;
@@ -651,11 +809,18 @@ void Plateaus::update(Frame& frame) {
     const auto placed = frame.gpu_scene().relative_to(layout_.origin_ws);
     instances_.replace(std::span<const gpu::InstanceBlock>{placed});
     for (std::size_t p = 0; p < layout_.blocks.size(); ++p) {
-        frame.step(step_of(layout_, p), [&] {
-            draw_umbra(frame, p);
-            draw_slopes(frame, p);
-        });
+        frame.step(step_of(layout_, p), [&] { draw_plane(frame, p, false); });
     }
+    drawn_whole_ = !wanted_;
+}
+
+void Plateaus::draw_plane(Frame& frame, std::size_t plane, bool whole) {
+    draw_umbra(frame, plane, whole);
+    if (sifts_) {
+        find_covered(frame, plane, whole);
+    }
+    sift(frame, plane, !sifts_);
+    draw_slopes(frame, plane);
 }
 
 void Plateaus::resolve(Frame& frame) {
@@ -679,8 +844,10 @@ void Plateaus::resolve(Frame& frame) {
 }
 
 std::size_t Plateaus::memory_bytes() const noexcept {
-    std::size_t bytes = map_.bytes() + silhouettes_.bytes() + mailboxes_.bytes() + first_box_.bytes();
-    for (const TextureImage* texture : {&slopes_, &umbra_, &umbra_depth_, &darkest_, &plane_of_pixel_}) {
+    std::size_t bytes = map_.bytes() + silhouettes_.bytes() + mailboxes_.bytes() + first_box_.bytes() +
+                        listed_.bytes() + draws_.bytes();
+    for (const TextureImage* texture :
+         {&slopes_, &umbra_, &skip_depth_, &covered_, &wanted_, &darkest_, &plane_of_pixel_}) {
         bytes += *texture ? texture->bytes() : 0;
     }
     return bytes;
@@ -726,22 +893,37 @@ DebugImage Plateaus::primitives_picture(Frame& frame) {
     const TextureImage colour = TextureImage::make_2d(GL_RGBA32F, size.x, size.y, "picture of sheets and cones");
     RenderTarget target{"picture of sheets and cones"};
     target.attach_colour(0, colour);
+    // What was left out first, then what was drawn over it. The counts are those of the frame, not of the whole
+    // texture, so the umbra is drawn once more as for that.
+    draw_umbra(frame, 0, false);
+    if (sifts_) {
+        find_covered(frame, 0, false);
+    }
     target.bind();
     target.clear_colour(0, glm::vec4{0.0F});
-    silhouettes_.bind(0);
-    bind_block();
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     wireframe_ = true;
-    draw_primitives(frame, 0);
+    for (const bool hidden_ones : {true, false}) {
+        sift(frame, 0, hidden_ones || !sifts_);
+        target.bind();
+        glDisable(GL_DEPTH_TEST);
+        glDisable(GL_BLEND);
+        glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+        show_hidden_ = hidden_ones && sifts_;
+        draw_primitives(frame, 0);
+        glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    }
     wireframe_ = false;
-    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    show_hidden_ = false;
+    const PlaneDraws counts = draws_.read<PlaneDraws>()[0];
+    draw_slopes(frame, 0);
+    drawn_whole_ = drawn_whole_ && !wanted_;
     const std::vector<glm::vec4> lines = colour.read<glm::vec4>();
     for (std::size_t i = 0; i < lines.size() && i < image.rgb.size(); ++i) {
         image.rgb[i] = lines[i].w > 0.0F ? glm::vec3{lines[i]} : 0.75F * image.rgb[i];
     }
-    image.caption = "Triangles of the slopes over the first plane's texture: sheets blue, cones orange.";
+    image.caption = "Triangles of the slopes over the first plane's texture: sheets blue, cones orange; red: " +
+                    std::to_string(counts.hidden) + " of " + std::to_string(counts.in_window) +
+                    " silhouettes were left out, under the umbra or where no pixel looks.";
     return image;
 }
 
@@ -750,6 +932,10 @@ std::vector<BakedTexture> Plateaus::bake(Frame& frame) {
     if (!frame.plan().runs("silhouettes")) {
         return textures;
     }
+    for (std::size_t p = 0; p < layout_.blocks.size() && !drawn_whole_; ++p) {
+        draw_plane(frame, p, true);
+    }
+    drawn_whole_ = true;
     const std::vector<float> all = slopes_.read<float>();
     const std::size_t layer = static_cast<std::size_t>(layout_.width_px) * layout_.height_px;
     for (std::size_t p = 0; p < layout_.blocks.size(); ++p) {

@@ -48,13 +48,29 @@ private:
     [[nodiscard]] bool slopes_off_planes(const Layout& layout) const noexcept;
     /// Slopes inside the hard shadow are read by nobody.
     [[nodiscard]] bool skips_umbra() const noexcept;
+    /// Silhouettes whose slopes change nothing are not drawn, nor texels that no pixel looks up.
+    [[nodiscard]] bool sifts(const LightSummary& summary, const Layout& layout) const noexcept;
+    [[nodiscard]] bool skips_unseen(const LightSummary& summary, const Layout& layout) const noexcept;
     [[nodiscard]] Defines defines(std::size_t plane) const;
     [[nodiscard]] const Program& lookup(Frame& frame) const;
-    void draw_umbra(Frame& frame, std::size_t plane);
+    /// One indirect draw for each listed silhouette, or several, row by row.
+    struct Draw {
+        Defines defines;
+        int per_edge = 0;
+        int rows = 0;  ///< of a tessellated sheet, one draw each; 0: not rows
+    };
+    [[nodiscard]] bool draws_tight() const noexcept;
+    /// What the settings draw for each silhouette, at most three.
+    [[nodiscard]] std::vector<Draw> draws() const;
+    [[nodiscard]] std::vector<std::uint8_t> texels_looked_up(const View& view) const;
+    /// @param whole  texels that no pixel looks up too, for those who keep or show the texture
+    void draw_plane(Frame& frame, std::size_t plane, bool whole);
+    void draw_umbra(Frame& frame, std::size_t plane, bool whole);
+    void find_covered(Frame& frame, std::size_t plane, bool whole);
+    void sift(Frame& frame, std::size_t plane, bool keep_all);
     void draw_slopes(Frame& frame, std::size_t plane);
     void draw_primitives(Frame& frame, std::size_t plane);
     [[nodiscard]] DebugImage primitives_picture(Frame& frame);
-    void draw_edges(Frame& frame, std::size_t plane, Defines more, int per_edge, int row = -1);
     void send_mail(Frame& frame);
     void bind_block();
 
@@ -74,14 +90,21 @@ private:
     bool both_sides_;
     bool narrow_;
     bool soft_off_planes_;
-    bool wireframe_ = false;  ///< while the picture of the primitives is drawn
+    bool wireframe_ = false;    ///< while the picture of the primitives is drawn,
+    bool show_hidden_ = false;  ///< in the colour of those that are left out
+    bool drawn_whole_ = true;   ///< the textures hold texels that no pixel looks up
+    bool sifts_ = false;
 
     CentreMap map_;
     SilhouettePass silhouettes_;
     Layout layout_;
     PlateauLight light_;
     StorageBuffer instances_, block_, mailboxes_, first_box_;
-    TextureImage umbra_depth_;  ///< 0 in the hard shadow, so that slopes are not even computed there
+    StorageBuffer listed_, draws_;  ///< sift.vert: records of the plane at hand; counts and indirect draws by plane
+    VertexArray no_attributes_;
+    TextureImage skip_depth_;  ///< 0 in the hard shadow and where nobody looks: slopes are not even computed there
+    TextureImage covered_;     ///< the plane at hand: pyramid of covered.comp
+    TextureImage wanted_;      ///< 1 where a pixel looks the texel up
     TextureImage slopes_, umbra_, darkest_, plane_of_pixel_;
     std::vector<RenderTarget> umbra_targets_, slope_targets_;
 };

@@ -1,0 +1,48 @@
+// Where slopes change nothing, as a pyramid of cells that are so throughout: sift.vert asks it about whole footprints.
+// Level 0: cells of 4 x 4 texels; level 2: 16 x 16; level 4: 64 x 64. LEVEL: the one that is made, from the one below.
+//
+// red: all texels lie under the umbra, or are looked up by nobody; green: all are looked up by nobody. Where both sides
+// of edges are drawn, a lit texel that nobody looks up still decides whether an edge is free: red is then umbra alone.
+// Texels beyond the plane's own size count as all three.
+#include "shared/plateau_block.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std140, binding = 2) uniform Plateaus { PlateauBlock plateaus; };
+uniform int plane_index;
+uniform ivec2 cells;
+
+#if LEVEL == 0
+layout(binding = 4) uniform sampler2DArray slopes;  // the umbra, as yet
+#if WANTED
+layout(binding = 6) uniform sampler2DArray wanted;
+#endif
+#else
+layout(binding = 4) uniform sampler2D finer;
+#endif
+layout(binding = 0, rg8) uniform writeonly image2D covered;
+
+void main() {
+    ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(cell, cells))) {
+        return;
+    }
+    vec2 all_of = vec2(1.0);
+    for (int y = 0; y < 4; ++y) {
+        for (int x = 0; x < 4; ++x) {
+            ivec2 texel = 4 * cell + ivec2(x, y);
+#if LEVEL == 0
+            bool within = all(lessThan(texel, plateaus.planes[plane_index].size.xy));
+            ivec3 at = ivec3(min(texel, plateaus.planes[plane_index].size.xy - 1), plane_index);
+            bool unseen = !within;
+#if WANTED
+            unseen = unseen || texelFetch(wanted, at, 0).r < 0.5;
+#endif
+            bool umbra = !within || texelFetch(slopes, at, 0).r < 0.95;
+            all_of = min(all_of, vec2(umbra || (SIDES == 1 && unseen) ? 1.0 : 0.0, unseen ? 1.0 : 0.0));
+#else
+            all_of = min(all_of, texelFetch(finer, texel, LEVEL - 2).rg);
+#endif
+        }
+    }
+    imageStore(covered, cell, vec4(all_of, 0.0, 0.0));
+}

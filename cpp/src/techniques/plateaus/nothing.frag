@@ -1,0 +1,2 @@
+// For draws that only write buffers.
+void main() {}
