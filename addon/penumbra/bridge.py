@@ -60,6 +60,7 @@ class SceneExport:
     objects: int = 0  # instances sent
     meshes: int = 0  # different meshes sent
     instance_names: list[str] = field(default_factory=list)  # unique, by the core's instance index
+    world: tuple[float, float, float] = (0.0, 0.0, 0.0)  # radiance of an even sky; it casts no shadow
 
 
 def read_scene(
@@ -137,7 +138,7 @@ class _Reader:
         frame = read_frame(self.blender_scene, size)
         for instance in self.depsgraph.object_instances:
             self._instance(instance)
-        self._world()
+        world = self._world()
         camera_name = self._camera(camera, frame)
         if not self.light_names:
             self._default_light()
@@ -154,6 +155,7 @@ class _Reader:
             objects=self.objects,
             meshes=meshes,
             instance_names=list(self.names),
+            world=world,
         )
 
     # ---------------------------------------------------------------------------------------------- one instance
@@ -448,10 +450,14 @@ class _Reader:
         self._add_light(light, self._light_name(instance))
         return True
 
-    def _world(self) -> None:
+    def _world(self) -> materials.Colour:
         world = self.blender_scene.world
-        if world is not None and self.materials.world_shines(world):
-            self.notes.add("the world's light is ignored", world.name)
+        radiance = materials.BLACK if world is None else self.materials.world_radiance(world)
+        if radiance is None:
+            self.notes.add("the world's light comes from nodes that are not read; it is ignored", world.name)
+        elif max(radiance) > 0.0:
+            self.notes.add("the world's light casts no shadow; comparisons ignore it", world.name)
+        return radiance or materials.BLACK
 
     # --------------------------------------------------------------------------------------------------- camera
 

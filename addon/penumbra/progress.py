@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import TextIO
 
@@ -78,12 +79,29 @@ class Progress:
         if not force and now - self._drawn_at < (_BAR_INTERVAL_S if self._bar is not None else _LINE_INTERVAL_S):
             return
         self._drawn_at = now
-        share = min(1.0, (self._done + self._weight * self._reached) / self._total)
-        text = f"{self._text}: {detail}" if detail and detail not in self._text else self._text
+        share, text = self._share(), self._said(detail)
         if self._bar is not None:
             self._bar.show(share, text)
         else:
             print(f"{share:4.0%}  {now - self._started:5.0f} s  {text}", file=self._stream, flush=True)
+
+    def _share(self) -> float:
+        return min(1.0, (self._done + self._weight * self._reached) / self._total)
+
+    def _said(self, detail: str) -> str:
+        return f"{self._text}: {detail}" if detail and detail not in self._text else self._text
+
+
+class ToldProgress(Progress):
+    """Progress that goes to a function, each time: `tell(share, text)`. The function may raise to end the work."""
+
+    def __init__(self, tell: Callable[[float, str], None]) -> None:
+        super().__init__(0.0, show=False)
+        self._tell = tell
+
+    def _draw(self, fraction: float, detail: str, *, force: bool) -> None:
+        self._reached = max(self._reached, min(max(fraction, 0.0), 1.0))
+        self._tell(self._share(), self._said(detail))
 
 
 class _Bar:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,19 @@ def kit() -> Any:
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     return Kit()
+
+
+@pytest.fixture
+def addon(kit: Any) -> Iterator[Any]:
+    """The add-on switched on, and off again afterwards; an empty scene that renders with it, and `kit` to fill it."""
+    import penumbra
+    from penumbra import registration
+
+    penumbra.register()
+    kit.scene.render.engine = "PENUMBRA"
+    yield kit
+    penumbra.unregister()
+    assert not registration.registered()
 
 
 @pytest.fixture

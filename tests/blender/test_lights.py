@@ -261,9 +261,20 @@ def test_world_light_is_noted_unless_it_is_black(kit: Kit) -> None:
     if bpy.app.version < (5, 0, 0):
         kit.scene.world.use_nodes = True
     kit.light("POINT")
-    assert has_note(kit.read(), "world's light is ignored", '"Sky"')
-    kit.scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
+    background = kit.scene.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0.1, 0.2, 0.4, 1)
+    background.inputs["Strength"].default_value = 2
+    export = kit.read()
+    assert has_note(export, "world's light casts no shadow", '"Sky"')
+    assert export.world == Approx((0.2, 0.4, 0.8))
+    background.inputs["Strength"].default_value = 0
     assert not has_note(kit.read(), "world's light")
+    sky = kit.scene.world.node_tree.nodes.new("ShaderNodeTexSky")
+    kit.scene.world.node_tree.links.new(sky.outputs[0], background.inputs["Color"])
+    background.inputs["Strength"].default_value = 1
+    export = kit.read()
+    assert has_note(export, "world's light comes from nodes", '"Sky"')
+    assert export.world == (0, 0, 0)
 
 
 def test_without_a_light_one_is_placed_and_noted(kit: Kit) -> None:

@@ -108,19 +108,17 @@ class Reader:
             return 1.0, 1.0, 1.0
         return emission
 
-    def world_shines(self, world: Any) -> bool:
-        """True unless the world is plainly black."""
+    def world_radiance(self, world: Any) -> Colour | None:
+        """Of an even sky; None where nodes make it that are not read."""
         tree = compat.node_tree(world)
         if tree is None:
-            return bool(max(world.color) > 0.0)
+            r, g, b = world.color
+            return float(r), float(g), float(b)
         output = tree.get_output_node("CYCLES")
         node = _source(output.inputs["Surface"]) if output is not None else None
         if node is None:
-            return False
-        if node.type == "BACKGROUND":
-            emission = self._emission(node, "Color", "Strength")
-            return emission is None or max(emission) > 0.0
-        return True
+            return BLACK
+        return self._emission(node, "Color", "Strength") if node.type == "BACKGROUND" else None
 
     def _read(self, material: Any) -> Surface:
         viewport: Colour = tuple(material.diffuse_color)[:3]

@@ -1,0 +1,42 @@
+"""Switching the add-on on and off: every part registers itself, and what is registered is taken back in reverse."""
+
+from __future__ import annotations
+
+import atexit
+from typing import Protocol
+
+from . import engine, preferences, properties, session
+from .panel import render_settings
+
+
+class _Part(Protocol):
+    def register(self) -> None: ...
+    def unregister(self) -> None: ...
+
+
+_PARTS: tuple[_Part, ...] = (preferences, properties, engine, render_settings)
+_registered: list[_Part] = []
+
+
+def register() -> None:
+    """@raises whatever a part raises; what was registered before it is taken back"""
+    try:
+        for part in _PARTS:
+            part.register()
+            _registered.append(part)
+    except BaseException:
+        unregister()
+        raise
+    # A render engine that is still registered when Python ends hangs Blender's module at exit.
+    atexit.register(unregister)
+
+
+def unregister() -> None:
+    atexit.unregister(unregister)
+    while _registered:
+        _registered.pop().unregister()
+    session.unregister()
+
+
+def registered() -> bool:
+    return bool(_registered)
