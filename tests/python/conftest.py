@@ -11,9 +11,9 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import NoReturn
 
 import pytest
+from must_run import skip
 
 ROOT = Path(__file__).resolve().parents[2]
 if importlib.util.find_spec("penumbra") is None:
@@ -58,14 +58,6 @@ def penumbra(environment: dict[str, str], tmp_path: Path) -> Callable[..., Resul
         )
 
     return run
-
-
-def skip(reason: str) -> NoReturn:
-    """For what the machine lacks. Where PENUMBRA_MUST_RUN is set, as ./test does, that is a failure: a broken driver
-    must not pass for a short list of tests."""
-    if os.environ.get("PENUMBRA_MUST_RUN"):
-        pytest.fail(f"must run here, but {reason}")
-    pytest.skip(reason)
 
 
 @pytest.fixture(scope="session")

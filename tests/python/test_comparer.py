@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import skip
+from must_run import skip
 from penumbra.compare import Comparer, Options
 from penumbra.progress import Progress
 
