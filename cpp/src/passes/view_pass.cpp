@@ -4,6 +4,28 @@
 
 namespace penumbra {
 
+namespace {
+
+/// False only if nothing that is seen comes nearer than the near plane or goes beyond the far plane.
+bool crosses_range(const GpuScene& gpu_scene, const Scene& scene) {
+    const Camera& camera = scene.camera;
+    const glm::dvec3 eye_ws{camera.world_from_camera[3]};
+    const glm::dvec3 forward_ws = -glm::dvec3{camera.world_from_camera[2]};
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const Bounds& bounds = gpu_scene.instance_bounds_ws()[i];
+        const double middle = glm::dot(bounds.centre() - eye_ws, forward_ws);
+        const double reach = glm::dot(bounds.half_size(), glm::abs(forward_ws));
+        const bool behind = !camera.orthographic && middle + reach < 0.0;
+        if (scene.instances[i].visible && !behind &&
+            (middle - reach < 1.001 * camera.near_m || middle + reach > 0.999 * camera.far_m)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
 glm::dmat4 clip_from_rel(const Camera& camera) {
     const double n = camera.near_m;
     const double f = camera.far_m;
@@ -39,7 +61,7 @@ void ViewPass::allocate(int width_px, int height_px) {
         return;
     }
     ids_ = TextureImage::make_2d(GL_RG32UI, width_px, height_px, "view ids");
-    depth_ = TextureImage::make_2d(GL_DEPTH_COMPONENT32F, width_px, height_px, "view depth");
+    depth_ = TextureImage::make_2d(GL_DEPTH32F_STENCIL8, width_px, height_px, "view depth");
     position_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view position");
     normal_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view normal");
     shading_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view shading normal");
@@ -69,7 +91,9 @@ void ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, F
             seen.push_back(i);
         }
     }
-    const Program& ids = device.programs.get({"passes/view_ids.vert", "passes/view_ids.frag"});
+    // Clipping would make new vertices with other depths, so nearness is cut pixel by pixel, and only where it matters.
+    const Defines cut = crosses_range(gpu_scene, scene) ? Defines{{"CUT_RANGE"}} : Defines{};
+    const Program& ids = device.programs.get({"passes/view_ids.vert", "passes/view_ids.frag"}, cut);
     ids_target_.bind();
     ids_target_.clear_colour(0, glm::uvec4{0U});
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -77,12 +101,13 @@ void ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, F
     glDepthMask(GL_TRUE);
     glDepthFunc(GL_GREATER);
     glDisable(GL_BLEND);
-    glDisable(GL_DEPTH_CLAMP);
-    ids_target_.clear_depth(0.0F);
+    glEnable(GL_DEPTH_CLAMP);
+    ids_target_.clear_depth_stencil(0.0F, 0);
     ids.set("clip_from_rel", glm::mat4{clip_from_rel(camera)});
     ids.use();
     instances_.bind_storage(0);
     gpu_scene.draw(seen, Cull::None);
+    glDisable(GL_DEPTH_CLAMP);
     check_gl("view ids");
 
     const auto exact = gpu_scene.exact_relative_to(eye_ws_);
