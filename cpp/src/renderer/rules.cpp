@@ -19,6 +19,10 @@ const std::vector<RuleInfo>& rules() {
         {"silhouette-under-umbra", "all texels that an edge's slopes reach are black already, or looked up by no pixel",
          0.0},
         {"texel-without-pixel", "no pixel of the view looks the texel up", 0.0},
+        {"eye-outside-volume",
+         "a separating plane keeps the caster apart from the hull of light, eye and near rectangle, so that its volume "
+         "is counted in front of what is seen and needs no caps",
+         0.0},
         {"smoothie-without-width", "t is 0, so that smoothies cover no texel", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",

@@ -9,6 +9,7 @@
 #include "techniques/plateaus/plateaus.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/shadow_map/shadow_map.h"
+#include "techniques/shadow_volume/shadow_volume.h"
 #include "techniques/smoothies/smoothies.h"
 
 namespace penumbra {
@@ -28,8 +29,8 @@ Entry entry() {
 /// In the order users see them. A new technique is one line here and one folder.
 const std::vector<Entry>& entries() {
     static const std::vector<Entry> table{
-        entry<ShadowMap>(), entry<Pcf>(),          entry<Smoothies>(), entry<PenumbraMaps>(),
-        entry<Plateaus>(),  entry<LightSamples>(), entry<RayTraced>(),
+        entry<ShadowMap>(),    entry<ShadowVolume>(), entry<Pcf>(),          entry<Smoothies>(),
+        entry<PenumbraMaps>(), entry<Plateaus>(),     entry<LightSamples>(), entry<RayTraced>(),
     };
     return table;
 }

@@ -1,0 +1,232 @@
+#include "geometry/shadow_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <numeric>
+
+namespace penumbra {
+
+namespace {
+
+template <class F>
+void for_sides(const Adjacency& adjacency, const Adjacency::Edge& edge, const F& f) {
+    if (edge.side1 == Adjacency::kNone) {
+        f(edge.side0);
+    } else if ((edge.side1 & Adjacency::kMany) == 0) {
+        f(edge.side0);
+        f(edge.side1);
+    } else {
+        for (std::uint32_t i = 0; i < (edge.side1 & ~Adjacency::kMany); ++i) {
+            f(adjacency.more_sides[edge.side0 + i]);
+        }
+    }
+}
+
+bool in_volume(bool towards, VolumeFaces faces) {
+    return faces == VolumeFaces::All || towards == (faces == VolumeFaces::Towards);
+}
+
+glm::dvec3 corner(const Mesh& mesh, std::uint32_t v) {
+    return glm::dvec3{mesh.positions_local[v]};
+}
+
+/// Sign of the volume of the tetrahedron (a, b, c, d): d before or behind the triangle's front.
+double side_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
+    return glm::dot(glm::cross(b - a, c - a), d - a);
+}
+
+class Pieces {
+public:
+    explicit Pieces(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
+    std::uint32_t find(std::uint32_t i) {
+        while (parent_[i] != i) {
+            parent_[i] = parent_[parent_[i]];
+            i = parent_[i];
+        }
+        return i;
+    }
+    void join(std::uint32_t a, std::uint32_t b) { parent_[find(a)] = find(b); }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace
+
+Closure closure_of(const Mesh& mesh, const Adjacency& adjacency) {
+    Closure closure;
+    Pieces pieces{mesh.triangles.size()};
+    closure.closed = !adjacency.edges.empty();
+    for (const Adjacency::Edge& edge : adjacency.edges) {
+        int sum = 0;
+        const std::uint32_t first = (edge.side1 == Adjacency::kNone || (edge.side1 & Adjacency::kMany) == 0)
+                                        ? edge.side0 / 2
+                                        : adjacency.more_sides[edge.side0] / 2;
+        for_sides(adjacency, edge, [&](std::uint32_t side) {
+            sum += (side & 1U) != 0 ? -1 : 1;
+            pieces.join(first, side / 2);
+        });
+        closure.closed = closure.closed && sum == 0;
+    }
+    std::vector<double> volume(mesh.triangles.size(), 0.0);
+    std::vector<std::uint8_t> used(mesh.triangles.size(), 0);
+    const glm::dvec3 centre = bounds_of(mesh).centre();
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (adjacency.triangle_edges[t].x == Adjacency::kNone) {
+            continue;
+        }
+        const glm::uvec3& v = mesh.triangles[t];
+        const std::uint32_t shell = pieces.find(t);
+        used[shell] = 1;
+        volume[shell] +=
+            glm::dot(corner(mesh, v.x) - centre, glm::cross(corner(mesh, v.y) - centre, corner(mesh, v.z) - centre));
+    }
+    bool any_out = false;
+    bool any_in = false;
+    for (std::size_t i = 0; i < volume.size(); ++i) {
+        closure.shells += used[i];
+        any_out = any_out || (used[i] != 0 && volume[i] > 0.0);
+        any_in = any_in || (used[i] != 0 && !(volume[i] > 0.0));
+    }
+    closure.outwards = closure.closed ? static_cast<int>(any_out) - static_cast<int>(any_in) : 0;
+    return closure;
+}
+
+double winding_number(const Mesh& mesh, const glm::dvec3& p) noexcept {
+    double sum = 0.0;
+    for (const glm::uvec3& v : mesh.triangles) {
+        const glm::dvec3 a = corner(mesh, v.x) - p;
+        const glm::dvec3 b = corner(mesh, v.y) - p;
+        const glm::dvec3 c = corner(mesh, v.z) - p;
+        const double la = glm::length(a);
+        const double lb = glm::length(b);
+        const double lc = glm::length(c);
+        // The solid angle of a triangle [VanOosteromStrackee1983].
+        const double numerator = glm::dot(a, glm::cross(b, c));
+        const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+        sum += 2.0 * std::atan2(numerator, denominator);
+    }
+    return sum / (4.0 * std::numbers::pi);
+}
+
+VolumeFaces volume_faces(const Closure& closure, const Mesh& mesh, const Bounds& bounds_local,
+                         const glm::dvec4& light_local) noexcept {
+    if (!closure.closed || closure.outwards == 0) {
+        return VolumeFaces::All;
+    }
+    const glm::dvec3 light{light_local};
+    const bool may_be_inside = light_local.w != 0.0 && glm::all(glm::greaterThanEqual(light, bounds_local.low)) &&
+                               glm::all(glm::lessThanEqual(light, bounds_local.high));
+    const double inside = may_be_inside ? closure.outwards * winding_number(mesh, light) : 0.0;
+    if (std::abs(inside) < 0.25) {
+        return closure.outwards > 0 ? VolumeFaces::Towards : VolumeFaces::Averted;
+    }
+    // From within one of several shells, others may face the light; and a light on the surface is neither in nor out.
+    if (closure.shells == 1 && std::abs(inside - 1.0) < 0.25) {
+        return closure.outwards > 0 ? VolumeFaces::Averted : VolumeFaces::Towards;
+    }
+    return VolumeFaces::All;
+}
+
+int edge_multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge, const std::uint8_t* towards,
+                      VolumeFaces faces) noexcept {
+    int m = 0;
+    for_sides(adjacency, edge, [&](std::uint32_t side) {
+        const bool front = towards[side / 2] != 0;
+        if (in_volume(front, faces)) {
+            m += ((side & 1U) != 0) == front ? -1 : 1;
+        }
+    });
+    return m;
+}
+
+int count_crossings(const Mesh& mesh, const glm::dvec4& light_local, const glm::dvec3& p_local, VolumeFaces faces,
+                    std::int64_t except) noexcept {
+    int count = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const glm::dvec3 a = corner(mesh, mesh.triangles[t].x);
+        const glm::dvec3 b = corner(mesh, mesh.triangles[t].y);
+        const glm::dvec3 c = corner(mesh, mesh.triangles[t].z);
+        const bool sun = light_local.w == 0.0;
+        const glm::dvec3 light{light_local};
+        const double at_light = sun ? glm::dot(glm::cross(b - a, c - a), light) : side_of(a, b, c, light);
+        if (static_cast<std::int64_t>(t) == except || !in_volume(at_light > 0.0, faces)) {
+            continue;
+        }
+        const double at_p = side_of(a, b, c, p_local);
+        // For a sun, where the parallel to it through p pierces; for a point, the segment itself.
+        const glm::dvec3 far = sun ? p_local + light : light;
+        const double s0 = side_of(a, b, far, p_local);
+        const double s1 = side_of(b, c, far, p_local);
+        const double s2 = side_of(c, a, far, p_local);
+        const bool through = (s0 > 0.0 && s1 > 0.0 && s2 > 0.0) || (s0 < 0.0 && s1 < 0.0 && s2 < 0.0);
+        count += through && ((at_light > 0.0 && at_p < 0.0) || (at_light < 0.0 && at_p > 0.0)) ? 1 : 0;
+    }
+    return count;
+}
+
+VolumeMaker::VolumeMaker(const Mesh& mesh, const Adjacency& adjacency)
+    : mesh_{&mesh},
+      adjacency_{&adjacency},
+      bounds_{bounds_of(mesh)},
+      closure_{closure_of(mesh, adjacency)},
+      centre_{bounds_.centre()} {
+    planes_.reserve(mesh.triangles.size());
+    for (const glm::uvec3& v : mesh.triangles) {
+        const glm::dvec3 a = corner(mesh, v.x) - centre_;
+        const glm::dvec3 n = glm::cross(corner(mesh, v.y) - corner(mesh, v.x), corner(mesh, v.z) - corner(mesh, v.x));
+        planes_.emplace_back(n, glm::dot(n, a));
+    }
+    towards_.resize(mesh.triangles.size());
+}
+
+void VolumeMaker::face(const glm::dvec4& light_local) {
+    const glm::dvec3 light = glm::dvec3{light_local} - light_local.w * centre_;
+    for (std::size_t t = 0; t < planes_.size(); ++t) {
+        const glm::dvec4& plane = planes_[t];
+        towards_[t] = plane.x * light.x + plane.y * light.y + plane.z * light.z - plane.w * light_local.w > 0.0 ? 1 : 0;
+    }
+}
+
+void VolumeMaker::append(const glm::dvec4& light_local, VolumeFaces faces, const Options& options,
+                         std::uint32_t first_vertex, VolumeIndices& out) {
+    face(light_local);
+    const auto near_of = [&](std::uint32_t v) { return 2 * (first_vertex + v); };
+    const auto far_of = [&](std::uint32_t v) { return 2 * (first_vertex + v) + 1; };
+    for (std::size_t t = 0; t < towards_.size(); ++t) {
+        const bool front = towards_[t] != 0;
+        if (!in_volume(front, faces)) {
+            continue;
+        }
+        const glm::uvec3& v = mesh_->triangles[t];
+        if (options.near_caps) {
+            auto& list = front ? out.wound : out.flipped;
+            list.insert(list.end(), {near_of(v.x), near_of(v.y), near_of(v.z)});
+        }
+        if (options.far_caps && front) {
+            out.wound.insert(out.wound.end(), {far_of(v.x), far_of(v.z), far_of(v.y)});
+        } else if (options.far_caps) {
+            out.wound.insert(out.wound.end(), {far_of(v.x), far_of(v.y), far_of(v.z)});
+        }
+    }
+    for (const Adjacency::Edge& edge : adjacency_->edges) {
+        const int m = edge_multiplicity(*adjacency_, edge, towards_.data(), faces);
+        const std::uint32_t a = m > 0 ? edge.v0 : edge.v1;
+        const std::uint32_t b = m > 0 ? edge.v1 : edge.v0;
+        for (int i = 0; i < std::abs(m); ++i) {
+            out.wound.insert(out.wound.end(), {near_of(b), near_of(a), far_of(a)});
+            if (options.far_edges) {
+                out.wound.insert(out.wound.end(), {near_of(b), far_of(a), far_of(b)});
+            }
+        }
+    }
+}
+
+std::size_t VolumeMaker::bytes() const noexcept {
+    return planes_.size() * sizeof(planes_[0]) + towards_.size();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,513 @@
+#include "passes/volume_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/layer_bound.h"
+#include "passes/frame.h"
+#include "scene/setting_forms.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr int kMaskBit = 0x80;
+/// In an orthographic view what casts from nearer than this share of the farthest receiver's distance to the light
+/// casts a shadow that ends before that receiver.
+constexpr double kShortest = 1e-4;
+
+/// The light's centre; w = 0: direction towards a sun.
+glm::dvec4 centre_of(const Light& light) {
+    return light.kind == LightKind::Sun ? glm::dvec4{-light.direction_ws, 0.0} : glm::dvec4{light.position_ws, 1.0};
+}
+
+/// In an instance's own space.
+glm::dvec4 local_light(const glm::dmat4& world_from_recentred, const glm::dvec3& centre_local,
+                       const glm::dvec4& light_ws) {
+    // Relative to the instance first: the inverse's own translation would lose digits far from the origin.
+    const glm::dvec3 towards = glm::dvec3{light_ws} - light_ws.w * glm::dvec3{world_from_recentred[3]};
+    const glm::dvec3 local = glm::inverse(glm::dmat3{world_from_recentred}) * towards;
+    return {light_ws.w == 0.0 ? glm::normalize(local) : local + centre_local, light_ws.w};
+}
+
+/// Of the light's mask, in pixels: x, y, width, height.
+glm::ivec4 rectangle_of(const LightSummary& summary, int width, int height) {
+    glm::ivec2 low{width, height};
+    glm::ivec2 high{-1};
+    for (int y = 0; y < height; ++y) {
+        const auto row = summary.mask.begin() + static_cast<std::ptrdiff_t>(y) * width;
+        const auto first = std::find(row, row + width, std::uint8_t{1});
+        if (first == row + width) {
+            continue;
+        }
+        int last = width - 1;
+        while (row[last] == 0) {
+            --last;
+        }
+        low = glm::min(low, glm::ivec2{static_cast<int>(first - row), y});
+        high = glm::max(high, glm::ivec2{last, y});
+    }
+    return high.x < 0 ? glm::ivec4{0} : glm::ivec4{low, high - low + 1};
+}
+
+/// Light and eye's near rectangle, as far as they may hide a caster: convex hull of points, open towards a sun.
+struct EyeHull {
+    std::vector<glm::dvec3> points;
+    glm::dvec3 open{0.0};
+
+    [[nodiscard]] bool apart_from(const Bounds& box, const glm::dvec3& axis) const {
+        double low = std::numeric_limits<double>::infinity();
+        double high = -low;
+        for (const glm::dvec3& p : points) {
+            low = std::min(low, glm::dot(p, axis));
+            high = std::max(high, glm::dot(p, axis));
+        }
+        const double along = glm::dot(open, axis);
+        low = along < 0.0 ? -std::numeric_limits<double>::infinity() : low;
+        high = along > 0.0 ? std::numeric_limits<double>::infinity() : high;
+        const double middle = glm::dot(box.centre(), axis);
+        const double reach = glm::dot(box.half_size(), glm::abs(axis));
+        // Rounding of positions relative to the eye must not decide.
+        const double slack = 1e-5 * (glm::length(axis) * glm::length(box.centre() - points.front()) + reach);
+        return middle - reach > high + slack || middle + reach < low - slack;
+    }
+};
+
+/// Where volumes end: 0 at infinity; else as far as the light's distance over this (a sun: as a metre over this). All
+/// rays of an orthographic camera end in one point at infinity, and float32 cannot clip what is near it: there volumes
+/// end beyond the farthest receiver.
+double far_share(const LightSummary& summary, const glm::dvec4& light_ws) {
+    if (!summary.scene->camera.orthographic || summary.receivers_ws.empty()) {
+        return 0.0;
+    }
+    if (light_ws.w == 0.0) {
+        Bounds all = summary.receivers_ws;
+        for (const Bounds& caster : summary.caster_bounds_ws) {
+            all.add(caster);
+        }
+        return 1.0 / std::max(4.0 * all.radius(), 1e-20);
+    }
+    const glm::dvec3 light{light_ws};
+    const glm::dvec3 to_middle = summary.receivers_ws.centre() - light;
+    const double farthest = glm::length(to_middle) + summary.receivers_ws.radius();
+    double nearest = farthest;
+    for (std::size_t i = 0; i < summary.casters.size(); ++i) {
+        const Bounds& caster = summary.caster_bounds_ws[i];
+        if (summary.caster_needed[i] != 0) {
+            nearest = std::min(nearest, glm::length(light - glm::clamp(light, caster.low, caster.high)));
+        }
+    }
+    return std::max(0.5 * nearest / std::max(farthest, 1e-20), kShortest);
+}
+
+}  // namespace
+
+bool eye_is_outside(const Bounds& caster_ws, const Camera& camera, const Light& light) {
+    if (camera.orthographic) {
+        return false;
+    }
+    const glm::dvec3 eye_ws{camera.world_from_camera[3]};
+    const glm::dvec3 right_ws{camera.world_from_camera[0]};
+    const glm::dvec3 up_ws{camera.world_from_camera[1]};
+    const glm::dvec3 forward_ws = -glm::dvec3{camera.world_from_camera[2]};
+    const double half_width = camera.tan_half_width;
+    const double half_height = half_width * camera.height_px * camera.pixel_aspect / camera.width_px;
+    const glm::dvec2 middle = 2.0 * half_width * camera.shift;
+    EyeHull hull;
+    hull.points.push_back(eye_ws);
+    for (const double x : {-1.1, 1.1}) {
+        for (const double y : {-1.1, 1.1}) {
+            hull.points.push_back(eye_ws + camera.near_m * (forward_ws + (middle.x + x * half_width) * right_ws +
+                                                            (middle.y + y * half_height) * up_ws));
+        }
+    }
+    const glm::dvec4 light_ws = centre_of(light);
+    if (light_ws.w == 0.0) {
+        hull.open = glm::dvec3{light_ws};
+    } else {
+        hull.points.emplace_back(light_ws);
+    }
+    const glm::dvec3 to_light = light_ws.w == 0.0 ? hull.open : glm::normalize(glm::dvec3{light_ws} - eye_ws);
+    std::vector<glm::dvec3> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < 3; ++i) {
+        for (const glm::dvec3& edge : {to_light, right_ws, up_ws}) {
+            axes.push_back(glm::cross(axes[static_cast<std::size_t>(i)], edge));
+        }
+    }
+    // Around the long way from the eye to the light, which is a thin pyramid.
+    const glm::dvec3 u = glm::cross(to_light, std::abs(to_light.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0});
+    axes.push_back(to_light);
+    axes.push_back(u);
+    axes.push_back(glm::cross(to_light, u));
+    axes.push_back(forward_ws);
+    return std::ranges::any_of(axes, [&](const glm::dvec3& axis) {
+        return glm::dot(axis, axis) > 1e-12 && hull.apart_from(caster_ws, glm::normalize(axis));
+    });
+}
+
+bool VolumePass::needs_no_caps(const LightSummary& summary, std::size_t caster) const {
+    // An unseen caster has no surface that its near cap could fall on.
+    return options_.leave_out_caps && !summary.keep_everything &&
+           summary.scene->instances[summary.casters[caster]].visible &&
+           eye_is_outside(summary.caster_bounds_ws[caster], summary.scene->camera, *summary.light);
+}
+
+bool VolumePass::plan(const LightSummary& summary, std::string_view lookup, Plan& plan) const {
+    const LightSummary::Trivial trivial = summary.trivial();
+    if (!trivial.reason.empty()) {
+        for (const std::string_view step : {std::string_view{"volumes"}, std::string_view{"count"}, lookup}) {
+            plan.leave_out(std::string{step}, trivial.rule, trivial.reason);
+        }
+        return false;
+    }
+    plan.run("volumes");
+    std::size_t without_caps = 0;
+    for (std::size_t i = 0; i < summary.casters.size(); ++i) {
+        without_caps += needs_no_caps(summary, i) ? 1 : 0;
+    }
+    if (without_caps > 0) {
+        plan.leave_out("caps", "eye-outside-volume",
+                       std::to_string(without_caps) + " of " + std::to_string(summary.casters.size()) +
+                           " casters lie apart from the space between the light and the eye, so their sides alone are "
+                           "counted, in front of what is seen");
+    }
+    if (summary.casters_outside > 0) {
+        plan.leave_out("casters out of reach", "caster-outside-hull",
+                       std::to_string(summary.casters_outside) +
+                           " casters lie outside the space between the light and the visible receivers");
+    }
+    plan.run("count");
+    plan.run(std::string{lookup});
+    return true;
+}
+
+void VolumePass::send_vertices(const GpuScene& gpu_scene) {
+    if (vertices_ && meshes_ == gpu_scene.meshes()) {
+        return;
+    }
+    makers_.clear();
+    meshes_ = gpu_scene.meshes();
+    std::vector<glm::vec4> vertices;
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        for (const glm::vec3& p : meshes_[i]->positions_local) {
+            const glm::vec3 recentred{glm::dvec3{p} - gpu_scene.mesh_ranges()[i].centre_local};
+            vertices.emplace_back(recentred, 1.0F);
+            vertices.emplace_back(recentred, 0.0F);
+        }
+    }
+    vertices_ = StorageBuffer::from(vertices, "volume vertices");
+}
+
+void VolumePass::prepare(Frame& frame) {
+    const GpuScene& gpu_scene = frame.gpu_scene();
+    const LightSummary& summary = frame.summary();
+    send_vertices(gpu_scene);
+    GpuAdjacency& adjacency = frame.adjacency();
+    slots_.clear();
+    for (std::size_t i = 0; i < summary.casters.size(); ++i) {
+        const std::uint32_t instance = summary.casters[i];
+        const std::uint32_t mesh = gpu_scene.mesh_of_instance(instance);
+        slots_.push_back({instance, mesh, needs_no_caps(summary, i)});
+        if (!makers_.contains(mesh)) {
+            makers_.emplace(mesh, std::make_unique<VolumeMaker>(*meshes_[mesh], adjacency.of_mesh(mesh)));
+        }
+    }
+    std::vector<std::uint32_t> numbers(gpu_scene.instance_count());
+    for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+        numbers[i] = i;
+    }
+    instance_numbers_ = StorageBuffer::from(numbers, "instance numbers");
+    scissor_ = rectangle_of(summary, frame.view().width, frame.view().height);
+    if (!commands_) {
+        commands_ = StorageBuffer(sizeof(DrawCommand), "volume draws");
+        indices_ = StorageBuffer(sizeof(std::uint32_t), "volume indices");
+    }
+}
+
+void VolumePass::extract(Frame& frame) {
+    const glm::dvec4 light_ws = centre_of(frame.light());
+    find_on_cpu(frame, light_ws);
+    vertex_array_ = VertexArray::create();
+    const GLuint vao = vertex_array_.name();
+    glVertexArrayVertexBuffer(vao, 0, vertices_.name(), 0, sizeof(glm::vec4));
+    glVertexArrayAttribFormat(vao, 0, 4, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(vao, 0, 0);
+    glEnableVertexArrayAttrib(vao, 0);
+    glVertexArrayVertexBuffer(vao, 1, instance_numbers_.name(), 0, sizeof(std::uint32_t));
+    glVertexArrayAttribIFormat(vao, 1, 1, GL_UNSIGNED_INT, 0);
+    glVertexArrayAttribBinding(vao, 1, 1);
+    glVertexArrayBindingDivisor(vao, 1, 1);
+    glEnableVertexArrayAttrib(vao, 1);
+    glVertexArrayElementBuffer(vao, indices_.name());
+    decide_counting(frame);
+}
+
+void VolumePass::find_on_cpu(Frame& frame, const glm::dvec4& light_ws) {
+    const GpuScene& gpu_scene = frame.gpu_scene();
+    const bool ends_meet = light_ws.w == 0.0 && !frame.scene().camera.orthographic;
+    struct Found {
+        Group group;
+        DrawCommand command;
+    };
+    std::vector<Found> all;
+    found_indices_.clear();
+    triangle_count_ = 0;
+    most_layers_ = 0;
+    faces_.clear();
+    for (const Slot& slot : slots_) {
+        const GpuScene::MeshRange& placed = gpu_scene.mesh_ranges()[slot.mesh];
+        VolumeMaker& maker = *makers_.at(slot.mesh);
+        const glm::dvec4 light =
+            local_light(gpu_scene.world_from_recentred(slot.instance), placed.centre_local, light_ws);
+        const VolumeFaces faces = options_.faces == Faces::All ? VolumeFaces::All
+                                  : options_.faces == Faces::LightFacing
+                                      ? VolumeFaces::Towards
+                                      : volume_faces(maker.closure(), *meshes_[slot.mesh], maker.bounds_local(), light);
+        found_.clear();
+        maker.append(
+            light, faces,
+            {.near_caps = !slot.without_caps, .far_caps = !slot.without_caps && !ends_meet, .far_edges = !ends_meet},
+            placed.first_vertex, found_);
+        const bool mirrored = gpu_scene.mirrored(slot.instance);
+        for (const bool flipped : {false, true}) {
+            const auto& list = flipped ? found_.flipped : found_.wound;
+            if (list.empty()) {
+                continue;
+            }
+            all.push_back({{.clockwise = flipped != mirrored, .z_pass = slot.without_caps},
+                           {static_cast<std::uint32_t>(list.size()), 1,
+                            static_cast<std::uint32_t>(found_indices_.size()), 0, slot.instance}});
+            found_indices_.insert(found_indices_.end(), list.begin(), list.end());
+        }
+        faces_.push_back(faces);
+        most_layers_ += maker.for_triangles(faces, [](std::uint32_t) {});
+    }
+    triangle_count_ = found_indices_.size() / 3;
+    const auto key = [](const Found& found) { return (found.group.z_pass ? 2 : 0) + (found.group.clockwise ? 1 : 0); };
+    std::ranges::stable_sort(all, {}, key);
+    groups_.clear();
+    std::vector<DrawCommand> commands;
+    for (const Found& found : all) {
+        if (groups_.empty() || groups_.back().clockwise != found.group.clockwise ||
+            groups_.back().z_pass != found.group.z_pass) {
+            groups_.push_back(found.group);
+            groups_.back().first = commands.size();
+        }
+        ++groups_.back().count;
+        commands.push_back(found.command);
+    }
+    if (most_layers_ >= stencil_limit() && options_.counting == Counting::Auto) {
+        bound_layers(frame, light_ws);
+    }
+    indices_.replace(std::span<const std::uint32_t>{found_indices_});
+    commands_.replace(std::span<const DrawCommand>{commands});
+}
+
+void VolumePass::bound_layers(const Frame& frame, const glm::dvec4& light_ws) {
+    const GpuScene& gpu_scene = frame.gpu_scene();
+    LayerBound bound{light_ws, frame.summary().caster_bounds_ws};
+    std::vector<glm::dvec3> placed;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+        const Mesh& mesh = *meshes_[slots_[i].mesh];
+        const glm::dmat4& m = gpu_scene.world_from_recentred(slots_[i].instance);
+        const glm::dvec3 centre = gpu_scene.mesh_ranges()[slots_[i].mesh].centre_local;
+        placed.clear();
+        for (const glm::vec3& p : mesh.positions_local) {
+            placed.emplace_back(m * glm::dvec4{glm::dvec3{p} - centre, 1.0});
+        }
+        VolumeMaker& maker = *makers_.at(slots_[i].mesh);
+        maker.face(local_light(m, centre, light_ws));
+        maker.for_triangles(faces_[i], [&](std::uint32_t t) {
+            const glm::uvec3& v = mesh.triangles[t];
+            bound.add(placed[v.x], placed[v.y], placed[v.z]);
+        });
+    }
+    most_layers_ = std::min<std::uint64_t>(most_layers_, bound.most());
+}
+
+void VolumePass::decide_counting(const Frame& frame) {
+    in_image_ = options_.counting == Counting::Image ||
+                (options_.counting == Counting::Auto && most_layers_ >= stencil_limit());
+    const TextureImage& depth = frame.view_pass().depth_stencil();
+    if (!target_ || target_depth_ != depth.name()) {
+        target_ = RenderTarget{"volume counts"};
+        target_.attach_depth(depth);
+        target_depth_ = depth.name();
+        glTextureParameteri(depth.name(), GL_DEPTH_STENCIL_TEXTURE_MODE, GL_STENCIL_INDEX);
+    }
+    if (in_image_ && (!counts_ || counts_.width() != depth.width() || counts_.height() != depth.height())) {
+        counts_ = TextureImage::make_2d(GL_R32I, depth.width(), depth.height(), "volume counts");
+    }
+}
+
+void VolumePass::set_uniforms(Frame& frame, const Program& program) {
+    const glm::dvec3 eye_ws = frame.summary().eye_ws;
+    const glm::dvec4 light_ws = centre_of(frame.light());
+    const auto relative = frame.gpu_scene().relative_to(eye_ws);
+    instances_.replace(std::span<const gpu::InstanceBlock>{relative});
+    instances_.bind_storage(0);
+    program.set("far_share", static_cast<float>(far_share(frame.summary(), light_ws)));
+    program.set("clip_from_rel", glm::mat4{clip_from_rel(frame.scene().camera)});
+    program.set("light_cr", glm::vec4{glm::vec3{glm::dvec3{light_ws} - light_ws.w * eye_ws}, light_ws.w});
+}
+
+void VolumePass::issue(const Group& group) const {
+    glFrontFace(group.clockwise ? GL_CW : GL_CCW);
+    glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, buffer_offset(group.first * sizeof(DrawCommand)),
+                                static_cast<GLsizei>(group.count), 0);
+}
+
+void VolumePass::count(Frame& frame, bool masked) {
+    Defines defines;
+    if (in_image_) {
+        defines.push_back({"COUNT_IN_IMAGE"});
+        if (masked) {
+            defines.push_back({"MASK_BY_CLASS"});
+        }
+        counts_.clear(glm::ivec4{0});
+        counts_.bind_image(0, GL_READ_WRITE);
+    }
+    const Program& program = frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, defines);
+    set_uniforms(frame, program);
+    target_.bind();
+    program.use();
+    if (!masked && !in_image_) {
+        glStencilMask(0xFF);
+        const GLint zero = 0;
+        glClearNamedFramebufferiv(target_.name(), GL_STENCIL, 0, &zero);
+    }
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_DEPTH_CLAMP);
+    glDisable(GL_CULL_FACE);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(scissor_.x, scissor_.y, scissor_.z, scissor_.w);
+    glBindVertexArray(vertex_array_.name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+    if (!in_image_) {
+        glEnable(GL_STENCIL_TEST);
+        glStencilFunc(masked ? GL_EQUAL : GL_ALWAYS, kMaskBit, kMaskBit);
+        glStencilMask(masked ? 0x7F : 0xFF);
+    }
+    for (const Group& group : groups_) {
+        if (in_image_) {
+            // Fragments that fail the z-fail test's comparison, or pass z-pass's.
+            glDepthFunc(group.z_pass ? GL_GREATER : GL_LEQUAL);
+            program.set("front_adds", group.z_pass ? 1 : -1);
+        } else {
+            glDepthFunc(GL_GREATER);
+            glStencilOpSeparate(GL_FRONT, GL_KEEP, group.z_pass ? GL_KEEP : GL_DECR_WRAP,
+                                group.z_pass ? GL_INCR_WRAP : GL_KEEP);
+            glStencilOpSeparate(GL_BACK, GL_KEEP, group.z_pass ? GL_KEEP : GL_INCR_WRAP,
+                                group.z_pass ? GL_DECR_WRAP : GL_KEEP);
+        }
+        issue(group);
+    }
+    glBindVertexArray(0);
+    glDisable(GL_STENCIL_TEST);
+    glStencilMask(0xFF);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    glStencilFunc(GL_ALWAYS, 0, 0xFF);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_TRUE);
+    glFrontFace(GL_CCW);
+    if (in_image_) {
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    }
+}
+
+void VolumePass::bind_counts(Frame& frame, GLuint unit) const {
+    if (in_image_) {
+        counts_.bind(unit);
+    } else {
+        frame.view_pass().depth_stencil().bind(unit);
+    }
+}
+
+std::vector<std::int32_t> VolumePass::read_counts(Frame& frame) const {
+    if (in_image_) {
+        return counts_.read<std::int32_t>();
+    }
+    const TextureImage& depth = frame.view_pass().depth_stencil();
+    std::vector<std::uint8_t> stencil(static_cast<std::size_t>(depth.width()) * depth.height());
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.name());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, depth.width(), depth.height(), GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil.data());
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    return {stencil.begin(), stencil.end()};
+}
+
+void VolumePass::draw(Frame& frame, const Program& program) {
+    set_uniforms(frame, program);
+    program.use();
+    glEnable(GL_DEPTH_CLAMP);
+    glDisable(GL_CULL_FACE);
+    glBindVertexArray(vertex_array_.name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+    for (const Group& group : groups_) {
+        issue(group);
+    }
+    glBindVertexArray(0);
+    glDisable(GL_DEPTH_CLAMP);
+    glFrontFace(GL_CCW);
+}
+
+std::vector<float> VolumePass::read_overdraw(Frame& frame) {
+    const TextureImage fragments =
+        TextureImage::make_2d(GL_R32F, frame.view().width, frame.view().height, "volume fragments");
+    RenderTarget target{"volume fragments"};
+    target.attach_colour(0, fragments);
+    target.bind();
+    target.clear_colour(0, glm::vec4{0.0F});
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE);
+    draw(frame, frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, {{"COUNT_FRAGMENTS"}}));
+    glDisable(GL_BLEND);
+    return fragments.read<float>();
+}
+
+std::size_t VolumePass::bytes() const noexcept {
+    std::size_t bytes = vertices_.bytes() + instance_numbers_.bytes() + indices_.bytes() + commands_.bytes() +
+                        instances_.bytes() + (counts_ ? counts_.bytes() : 0);
+    for (const auto& [mesh, maker] : makers_) {
+        bytes += maker->bytes();
+    }
+    return bytes;
+}
+
+std::vector<SettingInfo> volume_settings() {
+    return {
+        choice_setting("faces", "Triangles of the volumes",
+                       "light_facing: those whose front faces the light, right for closed meshes with outward normals; "
+                       "all: every triangle, right for whatever mesh; auto: the fewest that are right, mesh by mesh.",
+                       {"auto", "light_facing", "all"}),
+        choice_setting("counting", "Counting",
+                       "stencil: modulo 256 (hybrid: 128); image: 32-bit counts, slower; auto: stencil unless more "
+                       "volumes may lie in each other than it can count.",
+                       {"auto", "stencil", "image"}),
+        silhouette_setting(),
+    };
+}
+
+VolumePass::Options volume_options(const Settings& settings) {
+    VolumePass::Options options;
+    options.source = silhouette_source(settings);
+    const std::string& faces = get_choice(settings, "faces");
+    options.faces = faces == "all"            ? VolumePass::Faces::All
+                    : faces == "light_facing" ? VolumePass::Faces::LightFacing
+                                              : VolumePass::Faces::Auto;
+    const std::string& counting = get_choice(settings, "counting");
+    options.counting = counting == "image"     ? VolumePass::Counting::Image
+                       : counting == "stencil" ? VolumePass::Counting::Stencil
+                                               : VolumePass::Counting::Auto;
+    return options;
+}
+
+}  // namespace penumbra

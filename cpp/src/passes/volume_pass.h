@@ -1,0 +1,135 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/shadow_volume.h"
+#include "gl/buffer.h"
+#include "gl/framebuffer.h"
+#include "gl/handles.h"
+#include "gl/texture.h"
+#include "passes/light_summary.h"
+#include "passes/silhouette_pass.h"
+#include "penumbra/plan.h"
+#include "penumbra/settings.h"
+
+namespace penumbra {
+
+class Frame;
+class GpuScene;
+class Program;
+
+/// True if no point of the caster's box lies between the light and the eye or the near rectangle: then the eye is
+/// outside its volume, and nothing of the volume is cut off in front of the eye. Never of an orthographic camera, whose
+/// rays come from behind it without end.
+[[nodiscard]] bool eye_is_outside(const Bounds& caster_ws, const Camera& camera, const Light& light);
+
+/// Shadow volumes [Crow1977] of chosen casters, counted against the camera's depth: at every pixel how many of their
+/// triangles the segment from the light to the visible point crosses. Exact per pixel, without bias: near caps fall on
+/// the surfaces themselves bit by bit, and there the depth test fails.
+///
+/// Volumes run to infinity (w = 0) under depth clamp; z-fail counts what lies behind [EverittKilgard2002], and z-pass
+/// what lies in front of casters that surely leave the eye outside. See docs/techniques/shadow_volume.md.
+class VolumePass {
+public:
+    enum class Faces { Auto, LightFacing, All };
+    enum class Counting {
+        Auto,     ///< Stencil unless more volumes may lie in each other than it can count
+        Stencil,  ///< modulo 256, under a mask bit 128
+        Image,    ///< 32 bits
+    };
+    struct Options {
+        SilhouettePass::Source source = SilhouettePass::Source::Auto;
+        Faces faces = Faces::Auto;
+        Counting counting = Counting::Auto;
+        bool leave_out_caps = true;  ///< z-pass where eye_is_outside()
+        int stencil_bits = 8;        ///< for counting; 7 leave bit 128 to a mask
+    };
+    explicit VolumePass(const Options& options) : options_{options} {}
+
+    /// Adds the steps `volumes`, `caps`, `count` and `lookup`, run or left out.
+    /// @return false if the light needs no volumes at all
+    bool plan(const LightSummary& summary, std::string_view lookup, Plan& plan) const;
+
+    /// Tables of the summary's casters.
+    void prepare(Frame& frame);
+    /// Facings, edges and index lists for the light's centre.
+    void extract(Frame& frame);
+
+    /// Counts at every pixel of the light's mask. Leaves textures, buffers and all state but program and bindings as
+    /// they were. Uses the stencil of the view's depth; the stencil is cleared unless it holds a mask.
+    /// @param masked  count only where the stencil is 128 (the caller has written it), or where `classes` says so
+    /// @param scissors  nothing outside of these is touched; empty: the rectangle around the light's mask
+    void count(Frame& frame, bool masked);
+    /// After count(): the counts at texture unit `unit`, as usampler2D (stencil) or isampler2D (COUNTS_IN_IMAGE).
+    void bind_counts(Frame& frame, GLuint unit) const;
+    [[nodiscard]] bool in_image() const noexcept { return in_image_; }
+
+    /// The same in main memory, after count(); waits for the device.
+    [[nodiscard]] std::vector<std::int32_t> read_counts(Frame& frame) const;
+
+    /// All volumes' triangles with a program that has volume.vert, the state being the caller's: debug pictures.
+    void draw(Frame& frame, const Program& program);
+    /// Volume fragments per pixel, with no depth test; waits for the device.
+    [[nodiscard]] std::vector<float> read_overdraw(Frame& frame);
+
+    /// The largest count that any pixel can have; exact or too large.
+    [[nodiscard]] std::uint64_t most_layers() const noexcept { return most_layers_; }
+    [[nodiscard]] std::uint64_t triangle_count() const noexcept { return triangle_count_; }
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
+private:
+    struct Slot {
+        std::uint32_t instance = 0, mesh = 0;
+        bool without_caps = false;
+    };
+    struct DrawCommand {
+        std::uint32_t count, instance_count, first_index;
+        std::int32_t base_vertex;
+        std::uint32_t base_instance;
+    };
+    /// A run of draw commands that share their state.
+    struct Group {
+        bool clockwise = false, z_pass = false;
+        std::size_t first = 0, count = 0;
+    };
+    [[nodiscard]] bool needs_no_caps(const LightSummary& summary, std::size_t caster) const;
+    void send_vertices(const GpuScene& gpu_scene);
+    void find_on_cpu(Frame& frame, const glm::dvec4& light_ws);
+    void bound_layers(const Frame& frame, const glm::dvec4& light_ws);
+    void decide_counting(const Frame& frame);
+    [[nodiscard]] std::uint64_t stencil_limit() const noexcept {
+        return std::uint64_t{1} << static_cast<unsigned>(options_.stencil_bits);
+    }
+    void set_uniforms(Frame& frame, const Program& program);
+    void issue(const Group& group) const;
+
+    Options options_;
+    std::vector<Slot> slots_;
+    std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
+    std::map<std::uint32_t, std::unique_ptr<VolumeMaker>> makers_;
+    VolumeIndices found_;
+    std::vector<VolumeFaces> faces_;  ///< per slot
+    std::vector<std::uint32_t> found_indices_;
+    std::vector<Group> groups_;
+    glm::ivec4 scissor_{0};  ///< x, y, width, height of the light's mask
+    std::uint64_t most_layers_ = 0, triangle_count_ = 0;
+    bool in_image_ = false;
+    StorageBuffer vertices_, instance_numbers_, indices_, commands_, instances_;
+    VertexArray vertex_array_;
+    TextureImage counts_;
+    RenderTarget target_;
+    GLuint target_depth_ = 0;  ///< the texture that target_ has
+};
+
+/// The settings of every technique that has a VolumePass: silhouettes, faces, counting.
+[[nodiscard]] std::vector<SettingInfo> volume_settings();
+[[nodiscard]] VolumePass::Options volume_options(const Settings& settings);
+
+}  // namespace penumbra
