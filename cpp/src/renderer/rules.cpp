@@ -24,6 +24,7 @@ const std::vector<RuleInfo>& rules() {
          "is counted in front of what is seen and needs no caps",
          0.0},
         {"smoothie-without-width", "t is 0, so that smoothies cover no texel", 0.0},
+        {"mask-without-penumbra", "the light has no extent, so that no pixel lies in a penumbra to be masked", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",
          "the reference's pilot rays of a pixel and its neighbours show no penumbra, so it gets the least number of "

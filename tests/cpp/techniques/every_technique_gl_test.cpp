@@ -143,7 +143,8 @@ TEST_P(EveryTechnique, ScaleTranslationAndRotationDoNotChangeTheImage) {
     };
     // Scale and place change coordinates by float32 rounding only: a comparison flips where an edge falls within
     // rounding of a sample, once per map or ray, so N of them may flip in N places.
-    const bool many = GetParam().technique == "light_samples" || GetParam().technique == "ray_traced";
+    const bool many = GetParam().technique == "light_samples" || GetParam().technique == "ray_traced" ||
+                      GetParam().technique == "masked_rays";
     // Where the rim of a spot's cone falls is a matter of rounding, and the fitted map moves by a pixel with it; what
     // is kept per texel then changes by its slope over a texel.
     const bool per_texel = GetParam().technique == "penumbra_maps" && GetParam().kind == LightKind::Spot;

@@ -1,0 +1,145 @@
+#include "techniques/masked_rays/masked_rays.h"
+
+#include <algorithm>
+
+#include "passes/frame.h"
+#include "reference/ray_scene.h"
+#include "techniques/all_lights.h"
+
+namespace penumbra {
+
+namespace {
+
+std::vector<SettingInfo> masked_rays_settings() {
+    std::vector<SettingInfo> settings = PenumbraMask::settings();
+    settings.push_back({.id = "rays",
+                        .label = "Rays",
+                        .unit = "rays",
+                        .help = "Shadow rays per pixel of a penumbra, beyond the first ones.",
+                        .default_value = 64,
+                        .minimum = 1,
+                        .maximum = 65536,
+                        .choices = {},
+                        .sweep = {16, 64, 256, 1024}});
+    settings.push_back(
+        {.id = "first_rays",
+         .label = "First rays",
+         .unit = "rays",
+         .help = "Rays per pixel that may lie in a penumbra; more follow only where those around differ.",
+         .default_value = 16,
+         .minimum = 1,
+         .maximum = 4096,
+         .choices = {},
+         .sweep = {}});
+    settings.push_back({.id = "seed",
+                        .label = "Seed",
+                        .unit = "",
+                        .help = "Equal seeds give equal images.",
+                        .default_value = 1,
+                        .minimum = 0,
+                        .maximum = 2147483647,
+                        .choices = {},
+                        .sweep = {}});
+    return settings;
+}
+
+}  // namespace
+
+const TechniqueInfo& MaskedRays::description() {
+    static const TechniqueInfo info{
+        .id = "masked_rays",
+        .title = "Rays under a penumbra mask",
+        .paper = "Chan2004",
+        .summary = "Shadow maps find where a penumbra may be, and only there rays are traced: right on average.",
+        .randomised = true,
+        .on_cpu = false,
+        .lights = all_light_kinds(),
+        .settings = masked_rays_settings(),
+    };
+    return info;
+}
+
+MaskedRays::MaskedRays(const Settings& settings)
+    : options_{.rays = get_int(settings, "rays"),
+               .pilot_rays = get_int(settings, "first_rays"),
+               .adaptive = true,
+               .seed = static_cast<std::uint32_t>(get_int(settings, "seed"))},
+      mask_{PenumbraMask::options_from(settings)} {}
+
+Verdict MaskedRays::supports(const Light& /*light*/) const {
+    return {};
+}
+
+Plan MaskedRays::plan(const LightSummary& summary) const {
+    Plan plan;
+    const LightSummary::Trivial trivial = summary.trivial();
+    mask_.plan(summary, plan);
+    if (!trivial.reason.empty()) {
+        plan.leave_out("rays", trivial.rule, trivial.reason);
+        return plan;
+    }
+    plan.run("rays");
+    return plan;
+}
+
+void MaskedRays::prepare(Frame& frame) {
+    if (frame.plan().runs("rays")) {
+        static_cast<void>(frame.ray_scene());
+        mask_.prepare(frame);
+    }
+}
+
+void MaskedRays::update(Frame& frame) {
+    mask_.update(frame);
+}
+
+void MaskedRays::resolve(Frame& frame) {
+    mask_.classify(frame);
+    const LightSummary& summary = frame.summary();
+    frame.step("rays", [&] {
+        std::vector<float>& visibility = frame.visibility_on_cpu();
+        // A light without extent has no mask: one ray each.
+        const bool masked = frame.plan().runs("penumbra mask");
+        classes_.assign(visibility.size(), 0);
+        if (masked) {
+            mask_.read_classes(classes_);
+        }
+        std::vector<std::uint8_t> listed(visibility.size());
+        for (std::size_t i = 0; i < listed.size(); ++i) {
+            const bool asked = summary.mask[i] != 0;
+            const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
+            listed[i] = asked && found == PenumbraMask::Class::Maybe ? 1 : 0;
+            visibility[i] = asked && found == PenumbraMask::Class::Umbra ? 0.0F : 1.0F;
+        }
+        counts_ =
+            trace_masked(frame.ray_scene(), frame.view(), frame.light(), listed, options_, visibility, frame.control());
+    });
+}
+
+std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
+    if (!frame.plan().runs("rays")) {
+        return {};
+    }
+    std::vector<Statistic> all;
+    if (frame.plan().runs("penumbra mask")) {
+        all = PenumbraMask::statistics(frame.summary(), classes_);
+    }
+    const auto pixels = static_cast<double>(std::max<std::uint64_t>(1, counts_.pixels));
+    const auto asked = static_cast<double>(std::max<std::uint64_t>(1, frame.summary().lit_pixels));
+    all.push_back(
+        {"full_share", "Pixels with all rays", "share of the mask", static_cast<double>(counts_.full_pixels) / asked});
+    all.push_back({"rays", "Rays cast", "rays", static_cast<double>(counts_.rays)});
+    all.push_back(
+        {"rays_per_traced_pixel", "Rays per traced pixel", "rays", static_cast<double>(counts_.rays) / pixels});
+    return all;
+}
+
+std::vector<DebugView> MaskedRays::debug_views(const Plan& plan) const {
+    return plan.runs("penumbra mask") ? PenumbraMask::debug_views() : std::vector<DebugView>{};
+}
+
+DebugImage MaskedRays::debug_image(Frame& frame, std::string_view id) {
+    return mask_.debug_image(frame, id);
+}
+
+}  // namespace penumbra
