@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 from typing import Protocol
 
-from . import engine, preferences, properties, session
+from . import blender_command, engine, preferences, properties, session
 from .panel import render_settings
 
 
@@ -14,7 +14,7 @@ class _Part(Protocol):
     def unregister(self) -> None: ...
 
 
-_PARTS: tuple[_Part, ...] = (preferences, properties, engine, render_settings)
+_PARTS: tuple[_Part, ...] = (preferences, properties, engine, render_settings, blender_command)
 _registered: list[_Part] = []
 
 
