@@ -102,11 +102,12 @@ void pad(Extent& extent, const MapFrustumOptions& options) {
     extent.high = centre + 0.5 * size;
 }
 
-/// z of the nearest caster point that can fall into the face, or of the nearest receiver.
-void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, const Extent& extent,
-                           bool keep_receivers, MapFace& face) {
+}  // namespace
+
+void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, double nearest_m,
+                           double farthest_m, bool keep_receivers, MapFace& face) {
     double nearest_caster = kInfinity;
-    face.farthest_m = extent.farthest;
+    face.farthest_m = farthest_m;
     for (std::uint32_t i = 0; i < summary.casters.size(); ++i) {
         Extent box;
         bool outside_left = true;
@@ -127,7 +128,7 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
         }
         const bool kept = summary.keep_everything ||
                           (keep_receivers && std::ranges::binary_search(summary.receivers, summary.casters[i]));
-        const bool past_receivers = box.nearest > extent.farthest && !kept;
+        const bool past_receivers = box.nearest > farthest_m && !kept;
         if (outside_left || outside_right || outside_low || outside_high || behind || past_receivers) {
             continue;
         }
@@ -137,17 +138,15 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
         }
     }
     if (face.orthographic) {
-        const double span = std::max({extent.farthest - std::min(extent.nearest, nearest_caster),
-                                      face.high.x - face.low.x, face.high.y - face.low.y});
-        face.near_m = std::min(extent.nearest, nearest_caster) - 1e-3 * span;
-        face.far_m = extent.farthest + 1e-3 * span;
+        const double span = std::max(
+            {farthest_m - std::min(nearest_m, nearest_caster), face.high.x - face.low.x, face.high.y - face.low.y});
+        face.near_m = std::min(nearest_m, nearest_caster) - 1e-3 * span;
+        face.far_m = farthest_m + 1e-3 * span;
     } else {
-        const double nearest = std::min(extent.nearest, nearest_caster);
-        face.near_m = std::max(0.99 * nearest, kNearShare * std::max(extent.farthest, 1e-30));
+        const double nearest = std::min(nearest_m, nearest_caster);
+        face.near_m = std::max(0.99 * nearest, kNearShare * std::max(farthest_m, 1e-30));
     }
 }
-
-}  // namespace
 
 std::vector<std::uint32_t> casters_in(const LightSummary& summary, const MapFace& face) {
     std::vector<std::uint32_t> instances;
@@ -182,7 +181,8 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         pad(extent, options);
         face.low = extent.low;
         face.high = extent.high;
-        fit_depth_and_casters(summary, frustum.origin_ws, extent, options.keep_receivers, face);
+        fit_depth_and_casters(summary, frustum.origin_ws, extent.nearest, extent.farthest, options.keep_receivers,
+                              face);
         frustum.faces.push_back(std::move(face));
         return frustum;
     }
@@ -220,7 +220,8 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
             pad(extent, options);
             face.low = extent.low;
             face.high = extent.high;
-            fit_depth_and_casters(summary, frustum.origin_ws, extent, options.keep_receivers, face);
+            fit_depth_and_casters(summary, frustum.origin_ws, extent.nearest, extent.farthest, options.keep_receivers,
+                                  face);
             frustum.faces.push_back(std::move(face));
             return frustum;
         }
@@ -271,7 +272,8 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         pad(extent[i], options);
         face.low = extent[i].low;
         face.high = extent[i].high;
-        fit_depth_and_casters(summary, frustum.origin_ws, extent[i], options.keep_receivers, face);
+        fit_depth_and_casters(summary, frustum.origin_ws, extent[i].nearest, extent[i].farthest, options.keep_receivers,
+                              face);
         frustum.faces.push_back(std::move(face));
     }
     return frustum;

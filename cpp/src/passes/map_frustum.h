@@ -48,6 +48,12 @@ struct MapFrustumOptions {
 [[nodiscard]] MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin_ws,
                                          const glm::dvec3& direction_ws, const MapFrustumOptions& options);
 
+/// Casters, near plane and far plane of a face whose axes and extent are set (MapFace::low, high, orthographic).
+/// @param nearest_m, farthest_m  z_ls of the nearest and the deepest visible receiver in the face
+/// @param keep_receivers  as in MapFrustumOptions
+void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, double nearest_m,
+                           double farthest_m, bool keep_receivers, MapFace& face);
+
 /// Instances that may fall into the face.
 [[nodiscard]] std::vector<std::uint32_t> casters_in(const LightSummary& summary, const MapFace& face);
 

@@ -15,6 +15,8 @@ const std::vector<RuleInfo>& rules() {
          "every visible receiver casts, so the depth map of casters serves as that of receivers", 0.0},
         {"penumbra-under-half-a-texel",
          "every penumbra is narrower than half a texel of the map, and narrower ones are never drawn", 0.0},
+        {"skin-under-threshold", "no skin can be as long as the shortest that is drawn, whatever the depth maps hold",
+         0.0},
         {"every-receiver-on-a-plane", "every visible receiver lies on a plane with a texture of its own", 0.0},
         {"silhouette-under-umbra", "all texels that an edge's slopes reach are black already, or looked up by no pixel",
          0.0},

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "geometry/linear_rods.h"
+#include "passes/light_summary.h"
+#include "passes/map_frustum.h"
+
+namespace penumbra {
+
+/// One rectified window: the same picture plane for all samples of a rod, parallel to it, so that a point moves between
+/// their views along rows only, by base * d texel widths; d is 1 / z (sun: depth in front of the far plane).
+struct LinearWindow {
+    std::vector<MapFace> faces;  ///< one per sample; axes u, v, f, near and far are common
+    std::vector<double> low_u;   ///< per sample, left edge in coordinates that the relation above holds for
+    glm::dvec2 step{0.0};        ///< of a texel
+    double nearest_m = 0.0;      ///< z_ls of the nearest caster or receiver
+    std::vector<std::vector<std::uint32_t>> skin_casters;  ///< per sample: instances of the maps that skins come from
+    [[nodiscard]] const MapFace& common() const noexcept { return faces.front(); }
+};
+
+/// All views of one rod. Light space "ls" of a window: origin at the rod's centre (sun: at the receivers'), x along the
+/// rod.
+struct LinearViews {
+    glm::dvec3 origin_ws{0.0};
+    glm::dvec3 u_ws{1.0, 0.0, 0.0};  ///< unit, along the rod
+    bool orthographic = false;
+    bool in_one_window = false;  ///< all receivers are inside of the first
+    std::vector<double> along;   ///< per sample, ascending: metres from the centre along u; sun: minus the slope
+    std::vector<LinearWindow> windows;
+    std::vector<std::string> windows_without_receivers;
+
+    [[nodiscard]] int samples() const noexcept { return static_cast<int>(along.size()); }
+    [[nodiscard]] glm::dvec3 eye_ws(int sample) const {
+        return orthographic ? origin_ws : origin_ws + along[static_cast<std::size_t>(sample)] * u_ws;
+    }
+    /// The windows as one sample sees them.
+    [[nodiscard]] MapFrustum frustum_of(int sample) const;
+    /// The windows from the middle of the rod: what lookups start from.
+    [[nodiscard]] MapFrustum central() const;
+    /// Texel of sample `i` minus texel of the central view: x * d + y.
+    [[nodiscard]] glm::dvec2 shift_from_central(std::size_t window, int sample) const;
+    /// Texel in `to` minus texel in `from`: x * d + y.
+    [[nodiscard]] glm::dvec2 shift_between(std::size_t window, int from, int to) const;
+    /// A point belongs to a window up to this |v| / z, and up to this distance from the samples along u / z.
+    [[nodiscard]] glm::dvec2 reach(std::size_t window) const;
+    /// Factor from d to the stored depth.
+    [[nodiscard]] double stored_per_d(std::size_t window) const;
+};
+
+/// `count` places from end to end of a rod, -1 .. 1; 0 alone for one.
+[[nodiscard]] std::vector<double> even_places(int count);
+
+/// Views that together contain every visible receiver, the casters between them and the rod, and room for the skins
+/// that hang from those.
+/// @param places  of the samples along the rod, ascending, -1 .. 1
+/// @param aim_ws  the middle of the receivers, where the first window looks
+[[nodiscard]] LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod,
+                                           const std::vector<double>& places, const glm::dvec3& aim_ws, int size_px);
+
+}  // namespace penumbra
