@@ -10,6 +10,7 @@ radiance. Matrices are float64 and map from local to world.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -80,10 +81,47 @@ def read_scene(
 
     Raises BridgeError where nothing can be exported, and penumbra_core.InvalidScene where the core refuses.
     """
-    return _Reader(depsgraph, scene or depsgraph.scene_eval).read(camera, size)
+    return Reader(depsgraph, scene or depsgraph.scene_eval).read(camera, size)
 
 
-@dataclass
+class Geometries:
+    """Meshes that were sent, kept from one read of a scene to the next (`sync.py`)."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[int, int, int], _Geometry | str] = {}  # of the read before
+        self._met: dict[tuple[int, int, int], _Geometry | str] = {}  # in this one
+        self._by_address: dict[int, _Geometry | str] = {}  # in this one
+
+    def get(self, instance: Any, read: Callable[[Any], _Geometry | str]) -> _Geometry | str:
+        """Of this instance, read now if it is not known."""
+        obj = instance.object
+        # The object behind an instance is a temporary whose address is used again; that of its mesh is not, within one
+        # read. Between two reads it may be, so those that own the mesh stand beside it: another owner, another mesh.
+        maker = instance.parent if _made_by_another(instance) else obj
+        address = obj.data.as_pointer()
+        key = (address, maker.original.session_uid, obj.original.session_uid)
+        known = self._by_address.get(address)
+        if known is None:
+            known = self._kept.get(key)
+            if known is None:
+                known = read(obj)
+            self._by_address[address] = known
+        self._met[key] = known
+        return known
+
+    def forget(self, owners: set[int]) -> None:
+        """Drops the meshes of these objects (session_uid of the originals)."""
+        self._kept = {key: value for key, value in self._kept.items() if owners.isdisjoint(key[1:])}
+
+    def end_read(self) -> None:
+        """What the read that ends here did not meet is dropped."""
+        self._kept, self._met, self._by_address = self._met, {}, {}
+
+    def __len__(self) -> int:
+        """Different meshes of the read before."""
+        return len({id(value) for value in self._kept.values() if isinstance(value, _Geometry)})
+
+
 @dataclass
 class _Geometry:
     """A mesh that was sent, with what instances of it share."""
@@ -111,9 +149,12 @@ def _made_by_another(instance: Any) -> bool:
 
 
 @dataclass
-class _Reader:
+class Reader:
+    """One read of a depsgraph. What it met stays, for `sync.py` to change in place."""
+
     depsgraph: Any
     blender_scene: Any
+    geometries: Geometries = field(default_factory=Geometries)
     notes: Notes = field(default_factory=Notes)
 
     def __post_init__(self) -> None:
@@ -122,9 +163,13 @@ class _Reader:
         self.core = penumbra_core
         self.scene = penumbra_core.Scene()
         self.light_names: list[str] = []
-        self.geometry: dict[Any, _Geometry | str] = {}
         self.materials = materials.Reader(self.notes)
-        self.seen: list[tuple[_Geometry, DoubleArray]] = []  # with the transform
+        self.seen: dict[int, tuple[_Geometry, DoubleArray]] = {}  # by the core's instance, with the transform
+        self.plain: dict[
+            int, int
+        ] = {}  # an object's session_uid -> its instance, where it is one instance as it stands
+        self.makers: set[int] = set()  # objects that make instances of others
+        self.lamps: dict[int, str] = {}  # a light object's session_uid -> name of its light
         self.counters: dict[tuple[str, str], int] = {}
         self.names: dict[str, None] = {}  # an ordered set
         self.light_set: dict[str, None] = {}
@@ -143,7 +188,7 @@ class _Reader:
         if not self.light_names:
             self._default_light()
         self.scene.validate()
-        meshes = sum(1 for g in self.geometry.values() if isinstance(g, _Geometry))
+        self.geometries.end_read()
         return SceneExport(
             scene=self.scene,
             notes=self.notes.sentences(),
@@ -153,7 +198,7 @@ class _Reader:
             triangles=self.triangles,
             frame=int(self.blender_scene.frame_current),
             objects=self.objects,
-            meshes=meshes,
+            meshes=len(self.geometries),
             instance_names=list(self.names),
             world=world,
         )
@@ -203,8 +248,13 @@ class _Reader:
         )
         self.objects += 1
         self.triangles += geometry.count
+        number = self.objects - 1
         if visible:
-            self.seen.append((geometry, world_from_local))
+            self.seen[number] = (geometry, world_from_local)
+        if _made_by_another(instance):
+            self.makers.add(instance.parent.original.session_uid)
+        elif not instance.is_instance:
+            self.plain[instance.object.original.session_uid] = number
 
     def _name(self, instance: Any) -> str:
         """The object's name; instances say what made them, and which of them they are."""
@@ -263,14 +313,7 @@ class _Reader:
 
     def _geometry(self, instance: Any) -> _Geometry | str:
         """The mesh of an instance, read and sent once; or why there is none ("" if that is no loss)."""
-        obj = instance.object
-        # The object behind an instance is a temporary whose address is used again; that of its mesh is not.
-        key = obj.data.as_pointer()
-        known = self.geometry.get(key)
-        if known is None:
-            known = self._read_geometry(obj)
-            self.geometry[key] = known
-        return known
+        return self.geometries.get(instance, self._read_geometry)
 
     def _read_geometry(self, obj: Any) -> _Geometry | str:
         # In edit mode the mesh holds what was there before; Blender must be asked for a copy of what is seen.
@@ -327,24 +370,34 @@ class _Reader:
     def _light(self, instance: Any) -> None:
         if not instance.show_self:
             return
-        obj = instance.object
+        light = self.read_light(instance.object, instance.matrix_world)
+        if light is None:
+            return
+        self._add_light(light, self._light_name(instance))
+        if _made_by_another(instance):
+            self.makers.add(instance.parent.original.session_uid)
+        else:
+            self.lamps[instance.object.original.session_uid] = light.name
+
+    def read_light(self, obj: Any, matrix_world: Any) -> Any | None:
+        """A light object as a core.Light without its final name; None, with a note, if it cannot shine."""
         data = obj.data
-        matrix = matrix_of(instance.matrix_world)
+        matrix = matrix_of(matrix_world)
         if not np.isfinite(matrix).all():
             self.notes.add("left out, the light's transform is not finite", obj.name)
-            return
+            return None
         if not obj.visible_diffuse:
             self.notes.add("left out, the light does not reach diffuse surfaces (ray visibility)", obj.name)
-            return
+            return None
         nodes = self.materials.light_factor(data, obj.name)
         strength = float(data.energy) * compat.light_strength_factor(data, lights.normalising_area(data, matrix))
         power = np.array([strength * c * n for c, n in zip(compat.light_tint(data), nodes, strict=True)])
         if not np.isfinite(power).all() or power.min() < 0.0:
             self.notes.add("left out, the light's strength is negative or not a number", obj.name)
-            return
+            return None
         if power.max() == 0.0:
             self.notes.add("left out, the light's strength or colour is 0", obj.name)
-            return
+            return None
 
         light = self.core.Light()
         light.power_w = tuple(float(p) for p in power)
@@ -352,7 +405,7 @@ class _Reader:
         light.casts_shadow = compat.light_casts_shadow(data)
         if not self._shape(light, data, matrix):
             self.notes.add("left out, the light's transform leaves it no direction (a scale of 0?)", obj.name)
-            return
+            return None
         if not light.casts_shadow:
             self.notes.add("the light's shadow is switched off; it lights everything", obj.name)
         if light.kind in {"point", "spot"} and light.radius_m > 0.0 and compat.has_soft_falloff(data):
@@ -360,7 +413,7 @@ class _Reader:
         linking = getattr(obj, "light_linking", None)
         if linking is not None and (linking.receiver_collection or linking.blocker_collection):
             self.notes.add("light linking is ignored; the light reaches everything", obj.name)
-        self._add_light(light, self._light_name(instance))
+        return light
 
     def _light_name(self, instance: Any) -> str:
         if _made_by_another(instance):
@@ -521,14 +574,14 @@ class _Reader:
             raise BridgeError(f'there is no camera called "{wanted}"; the scene has {there}')
         return self.blender_scene.objects[wanted].evaluated_get(self.depsgraph)
 
-    def _box_points(self) -> DoubleArray:
+    def box_points(self) -> DoubleArray:
         """Corners of the bounding boxes of all that is visible; of a cube round the origin if nothing is."""
         if not self.seen:
             return np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
-        return np.concatenate([geometry.corners() @ m[:3, :3].T + m[:3, 3] for geometry, m in self.seen])
+        return np.concatenate([geometry.corners() @ m[:3, :3].T + m[:3, 3] for geometry, m in self.seen.values()])
 
     def _place_camera(self, camera: Any, frame: Frame) -> None:
-        placed = placing.frame_everything(self._box_points(), frame)
+        placed = placing.frame_everything(self.box_points(), frame)
         camera.name = "placed camera"
         camera.world_from_camera = placed.world_from_camera
         camera.tan_half_width = placed.tan_half_width
@@ -537,7 +590,7 @@ class _Reader:
 
     def _default_light(self) -> None:
         eye = np.array(self.scene.camera.world_from_camera, dtype=np.float64)
-        placed = placing.light_everything(self._box_points(), eye)
+        placed = placing.light_everything(self.box_points(), eye)
         light = self.core.Light()
         light.kind = "rectangle"
         light.position_ws, light.direction_ws = tuple(placed.position), tuple(placed.direction)

@@ -11,7 +11,7 @@ from typing import Any
 
 import bpy
 
-from . import bridge, errors, native, passes, picture, preferences, properties, session
+from . import bridge, errors, native, passes, picture, preferences, properties, session, viewport_engine
 from .errors import UserError
 from .progress import ToldProgress
 
@@ -35,6 +35,12 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
         super().__init__(*args, **kwargs)
         self._export: bridge.SceneExport | None = None
         self._problem = ""
+        self._view: viewport_engine.ViewportEngine | None = None
+
+    def __del__(self) -> None:
+        view = getattr(self, "_view", None)
+        if view is not None:
+            view.close()
 
     def update(self, data: Any = None, depsgraph: Any = None) -> None:
         """Reads the scene. What goes wrong is told by render(), where Blender listens."""
@@ -68,6 +74,19 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
             self._paint(export, depsgraph)
         except Exception as error:
             self._fail(_sentence(error))
+
+    def view_update(self, context: Any, depsgraph: Any) -> None:
+        """Something in the scene changed."""
+        if self._view is None:
+            self._view = viewport_engine.ViewportEngine(self)
+        self._view.update(context, depsgraph)
+
+    def view_draw(self, context: Any, depsgraph: Any) -> None:
+        """A viewport is to be drawn: also when only its camera moved."""
+        if self._view is None:
+            self.view_update(context, depsgraph)
+        assert self._view is not None
+        self._view.draw(context, depsgraph)
 
     # ------------------------------------------------------------------------------------------------------------
 

@@ -44,6 +44,14 @@ void add_instance(Scene& scene, std::string name, std::shared_ptr<Mesh> mesh, co
     scene.instances.push_back(std::move(instance));
 }
 
+void set_transform(Scene& scene, std::size_t instance, const Array<double>& world_from_local) {
+    if (instance >= scene.instances.size()) {
+        throw InvalidScene("there is no instance " + std::to_string(instance) + "; the scene has " +
+                           std::to_string(scene.instances.size()) + ", counted from 0");
+    }
+    scene.instances[instance].world_from_local = matrix_from(world_from_local, "world_from_local");
+}
+
 std::uint64_t triangle_count(const Scene& scene) {
     std::uint64_t count = 0;
     for (const Instance& instance : scene.instances) {
@@ -171,6 +179,11 @@ void bind_scene(py::module_& m) {
              "world_from_local (4, 4) float64; albedo (k, 3) float32, linear, one row per material slot.")
         .def(
             "add_light", [](Scene& scene, const Light& light) { scene.lights.push_back(light); }, py::arg("light"))
+        .def("set_transform", &set_transform, py::arg("instance"), py::arg("world_from_local"),
+             "Moves an instance, counted from 0 in the order they were added; (4, 4) float64.")
+        .def(
+            "copy", [](const Scene& scene) { return std::make_shared<Scene>(scene); },
+            "Another scene with the same meshes: what is changed in one of them does not change the other.")
         .def_readwrite("lights", &Scene::lights)
         .def_readwrite("camera", &Scene::camera)
         .def(

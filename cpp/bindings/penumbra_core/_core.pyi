@@ -208,9 +208,21 @@ class Scene:
         world_from_local (4, 4) float64; albedo (k, 3) float32, linear, one row per material slot.
         """
     def add_light(self, light: Light) -> None: ...
+    def copy(self) -> Scene:
+        """
+        Another scene with the same meshes: what is changed in one of them does not change the other.
+        """
     def digest(self) -> str:
         """
         Hash over all that influences an image: equal digests give equal images.
+        """
+    def set_transform(
+        self,
+        instance: typing.SupportsInt | typing.SupportsIndex,
+        world_from_local: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> None:
+        """
+        Moves an instance, counted from 0 in the order they were added; (4, 4) float64.
         """
     def validate(self) -> None: ...
     @property
