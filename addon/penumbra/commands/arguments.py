@@ -50,6 +50,16 @@ def frame_number(text: str) -> int:
     return value
 
 
+def frames(text: str) -> tuple[int, ...]:
+    """ "1-10,20-30:5"."""
+    from ..batch.jobs import parse_frames
+
+    try:
+        return parse_frames(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
 def view_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--camera", metavar="NAME", help="camera object; default: the scene's active one")
     parser.add_argument("--frame", type=frame_number, metavar="N", help="frame; default: the file's current one")
@@ -58,6 +68,12 @@ def view_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def compare_options(parser: argparse.ArgumentParser, sweep: str) -> None:
+    comparison_options(parser, sweep)
+    view_arguments(parser)
+
+
+def comparison_options(parser: argparse.ArgumentParser, sweep: str) -> None:
+    """What is compared, and how well; without the view."""
     parser.add_argument(
         "--techniques", type=names, default=(), metavar="all|ID,ID", help="see `penumbra techniques`; default: all"
     )
@@ -65,7 +81,6 @@ def compare_options(parser: argparse.ArgumentParser, sweep: str) -> None:
         "--set", action="append", default=[], metavar="TECHNIQUE.KEY=VALUE", help="a setting; may be repeated"
     )
     parser.add_argument("--lights", type=names, default=(), metavar="all|NAME,..", help="default: all")
-    view_arguments(parser)
     parser.add_argument(
         "--sweep", choices=("off", "quick", "full"), default=sweep,
         help=f"vary the quality settings, which gives the error-versus-time curves; default: {sweep}",

@@ -7,7 +7,7 @@ import difflib
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .. import __version__
 from ..errors import UserError
@@ -42,7 +42,8 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         match = re.match(r"argument (\S+): invalid choice: '?(.*?)'? \(choose from (.*)\)", message)
         if match:
-            names = [name.strip(" '") for name in match[3].split(",")]
+            hidden = [entry.name for entry in _COMMANDS if not entry.summary]
+            names = [name for name in (name.strip(" '") for name in match[3].split(",")) if name not in hidden]
             close = difflib.get_close_matches(match[2], names, n=1, cutoff=0.6)
             hint = f"did you mean {close[0]}? " if close else ""
             what = "command" if match[1] == "COMMAND" else f"value of {match[1]}"
@@ -74,8 +75,9 @@ def parser() -> Parser:
     made.add_argument("--version", action="version", version=f"penumbra {__version__}")
     commands = made.add_subparsers(metavar="COMMAND", dest="command", required=True, parser_class=Parser)
     for entry in _COMMANDS:
+        shown: dict[str, Any] = {"help": entry.summary} if entry.summary else {}
         description = entry.summary[:1].upper() + entry.summary[1:] + "."
-        sub = commands.add_parser(entry.name, help=entry.summary, description=description)
+        sub = commands.add_parser(entry.name, description=description, **shown)
         entry.add_arguments(sub)
         sub.set_defaults(run=entry.run)
     return made

@@ -30,7 +30,17 @@ def make_renderer(core: Any, device: str) -> Any:
 
 
 def read(core: Any, path: Path | None, arguments: argparse.Namespace) -> Any:
-    """The scene as the core takes it. @raises UserError for a scene that Blender or the core refuses."""
+    """The scene, seen as the command line asks for. @raises UserError for one that Blender or the core refuses."""
+    return read_view(core, path, camera=arguments.camera, size=arguments.size, frame=arguments.frame)
+
+
+def read_view(
+    core: Any, path: Path | None, *, camera: str | None, size: tuple[int, int] | None, frame: int | None
+) -> Any:
+    """The scene as the core takes it; without a path, the one that is open.
+
+    @raises UserError for a scene that Blender or the core refuses
+    """
     from .. import scenes
     from ..compare import core_errors
 
@@ -40,7 +50,7 @@ def read(core: Any, path: Path | None, arguments: argparse.Namespace) -> Any:
         with core_errors(core), interrupts.deadly():
             if path is not None:
                 scenes.open_scene(path)
-            return scenes.read(camera=arguments.camera, size=arguments.size, frame=arguments.frame)
+            return scenes.read(camera=camera, size=size, frame=frame)
     except scenes.SceneError as error:
         raise UserError(errors.sentence_of(error)) from error
 

@@ -49,7 +49,7 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
         options=comparison.options,
         failures=comparison.failures,
         scenes=scenes,
-        style=_text("report.css"),
+        style=style(),
         script=_text("report.js"),
         data=_script_safe(
             {
@@ -163,15 +163,25 @@ def _text(name: str) -> str:
     return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
+def style() -> str:
+    """The look of every page that Penumbra writes."""
+    return _text("report.css")
+
+
 @functools.cache
 def _template() -> Any:
+    return template(_text("report.html.j2"))
+
+
+def template(text: str) -> Any:
+    """A Jinja template with our filters; names are escaped, and unknown ones are errors."""
     import jinja2
 
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     environment.filters.update(error=format_error, ms=verdict.milliseconds, bytes=format_bytes, percent=format_percent)
-    return environment.from_string(_text("report.html.j2"))
+    return environment.from_string(text)
 
 
 def format_error(value: float | None) -> str:
