@@ -10,7 +10,9 @@ namespace penumbra {
 
 namespace {
 
-constexpr double kFarthest = 1e12;  // in radii of the mesh: from there on a light point is a sun
+constexpr std::uint32_t kBorder = 0xffffffffU;       // no triangle beyond
+constexpr std::uint32_t kUnknownTurn = 0xfffffffeU;  // several, or one that runs the edge the same way
+constexpr double kFarthest = 1e12;                   // in radii of the mesh: from there on a light point is a sun
 
 /// Facings of all triangles and the edges between them: votes, directions, fans.
 class Outline {
@@ -226,6 +228,55 @@ FlatSilhouettes::FlatSilhouettes(const Mesh& mesh, const Adjacency& adjacency) :
         const bool two = (edge.side1 & Adjacency::kMany) == 0;  // kNone has the bit as well
         sides_.push_back(two ? glm::uvec2{edge.side0, edge.side1} : glm::uvec2{silent});
     }
+    find_turns();
+}
+
+// An edge of a triangle is 4 * triangle + k, k = 0 .. 2: between its corners k and k + 1.
+void FlatSilhouettes::find_turns() {
+    const std::vector<glm::uvec3>& edges_of = adjacency_->triangle_edges;
+    across_.assign(4 * edges_of.size(), kUnknownTurn);
+    for (std::uint32_t t = 0; t < edges_of.size(); ++t) {
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t e = edges_of[t][static_cast<int>(k)];
+            if (e == Adjacency::kNone) {
+                continue;
+            }
+            const Adjacency::Edge& edge = adjacency_->edges[e];
+            if (edge.side1 == Adjacency::kNone) {
+                across_[4 * t + k] = kBorder;
+            } else if ((edge.side1 & Adjacency::kMany) == 0 && ((edge.side0 ^ edge.side1) & 1U) != 0) {
+                const std::uint32_t other = edge.side0 / 2 == t ? edge.side1 / 2 : edge.side0 / 2;
+                const glm::uvec3& there = edges_of[other];
+                across_[4 * t + k] = 4 * other + (there.x == e ? 0U : (there.y == e ? 1U : 2U));
+            }
+        }
+    }
+}
+
+bool FlatSilhouettes::arriving(std::uint32_t edge, std::uint32_t a, std::uint32_t triangle, bool a_first,
+                               std::uint32_t& z) const {
+    const glm::uvec3& edges = adjacency_->triangle_edges[triangle];
+    std::uint32_t h = 4 * triangle + (edges.x == edge ? 0U : (edges.y == edge ? 1U : 2U));
+    const std::int8_t facing = facing_[triangle];
+    // Two bits for each k: the other edge at the corner a, which stays first, or second, in all triangles of the fan.
+    const std::uint32_t turn = a_first ? 0b01'00'10U : 0b00'10'01U;
+    for (int step = 0; step < kMostFanSteps; ++step) {
+        const std::uint32_t next = (h & ~3U) | ((turn >> (2 * (h & 3U))) & 3U);
+        const std::uint32_t beyond = across_[next];
+        if (beyond >= kUnknownTurn) {
+            if (beyond == kUnknownTurn) {
+                return false;
+            }
+        } else if (facing_[beyond >> 2U] == facing) {
+            h = beyond;
+            continue;
+        }
+        const glm::uvec3& corners = mesh_->triangles[h >> 2U];
+        z = adjacency_->welded[corners[static_cast<int>(((h & 3U) + 2U) % 3U)]];
+        return true;
+    }
+    z = a;
+    return true;
 }
 
 void FlatSilhouettes::decide_facings(const glm::dvec4& light_local) {
@@ -274,14 +325,34 @@ void FlatSilhouettes::find(const glm::dvec4& light_local, bool mirrored, EdgeCho
             count += facing[s.x >> 1U] * facing[s.y >> 1U] != 1 - 2 * same_way ? 1 : 0;
         }
         for (std::size_t i = 0; i < count; ++i) {
-            outline.add_if_silhouette(kept[i], out);
+            const std::uint32_t e = kept[i];
+            const glm::uvec2 s = sides_[e];
+            const int vote0 = (s.x & 1U) != 0 ? -facing[s.x >> 1U] : facing[s.x >> 1U];
+            const int vote1 = (s.y & 1U) != 0 ? -facing[s.y >> 1U] : facing[s.y >> 1U];
+            if (vote0 == 0 && vote1 == 0) {
+                outline.add_if_silhouette(e, out);
+                continue;
+            }
+            // As Outline has it, for two triangles of which at least one votes, and not against the other.
+            const bool left = vote0 + vote1 > 0;
+            const Adjacency::Edge& edge = adjacency_->edges[e];
+            const std::uint32_t a = left != mirrored ? edge.v0 : edge.v1;
+            const std::uint32_t b = left != mirrored ? edge.v1 : edge.v0;
+            const bool second = vote0 == 0 || (vote1 != 0 && facing[s.x >> 1U] < 0 && facing[s.y >> 1U] > 0);
+            const std::uint32_t side = second ? s.y : s.x;
+            std::uint32_t z = a;
+            if (arriving(e, a, side >> 1U, (a == edge.v0) == ((side & 1U) == 0), z)) {
+                out.push_back({a, b, z});
+            } else {
+                outline.add_if_silhouette(e, out);
+            }
         }
     }
 }
 
 std::size_t FlatSilhouettes::bytes() const noexcept {
-    return (nx_.size() + ny_.size() + nz_.size() + d_.size()) * sizeof(float) + sides_.size() * sizeof(sides_[0]) +
-           facing_.size();
+    return across_.size() * sizeof(across_[0]) + (nx_.size() + ny_.size() + nz_.size() + d_.size()) * sizeof(float) +
+           sides_.size() * sizeof(sides_[0]) + facing_.size();
 }
 
 }  // namespace penumbra
