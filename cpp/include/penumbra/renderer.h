@@ -96,6 +96,10 @@ public:
                                               Control& control);
     /// Pictures of a technique's inside after one frame. @param views ids; empty: all that its plan offers
     /// @throws InvalidSettings for an unknown view; the message lists those there are
+    /// The same for several lights at once: their techniques live side by side, and maps of one size are layers of
+    /// common arrays. In the order of `lights`.
+    [[nodiscard]] std::vector<VisibilityResult> visibility(std::span<const std::size_t> lights, const Job& job,
+                                                           bool keep_everything, Control& control);
     [[nodiscard]] std::vector<NamedDebugImage> debug_images(std::size_t light, const Job& job,
                                                             std::span<const std::string> views, Control& control);
     /// The technique's textures of V on surfaces of the scene, with nothing left out; empty if it makes none.

@@ -11,6 +11,11 @@ void BufferTraits::destroy(GLuint name) noexcept {
     glDeleteBuffers(1, &name);
 }
 
+GLuint TextureTraits::create() {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    return name;
+}
 GLuint TextureTraits::create(GLenum target) {
     GLuint name = 0;
     glCreateTextures(target, 1, &name);

@@ -27,7 +27,7 @@ class Handle {
 public:
     Handle() noexcept = default;
     /// Makes the object (direct state access: it exists at once, nothing is bound).
-    /// Arguments: Texture the target, Query the target, ShaderObject the stage, others none.
+    /// Arguments: Texture the target or none, Query the target, ShaderObject the stage, others none.
     template <class... Args>
     [[nodiscard]] static Handle create(Args... args) {
         PENUMBRA_ASSERT(detail::has_current_context());
@@ -69,6 +69,7 @@ struct BufferTraits {
 };
 struct TextureTraits {
     static GLuint create(GLenum target);
+    static GLuint create();  ///< a name alone, for a view to take shape in
     static void destroy(GLuint name) noexcept;
 };
 struct FramebufferTraits {

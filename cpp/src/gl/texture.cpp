@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "base/assert.h"
 #include "gl/context.h"
 #include "gl/texture_formats.h"
 #include "penumbra/error.h"
@@ -101,6 +102,26 @@ TextureImage TextureImage::make(GLenum target, GLenum format, int width, int hei
     image.set_wrap(GL_CLAMP_TO_EDGE);
     glObjectLabel(GL_TEXTURE, image.name(), static_cast<GLsizei>(what.size()), what.data());
     check_gl("making " + image.what_);
+    return image;
+}
+
+TextureImage TextureImage::view_of(const TextureImage& array, int first_layer, int layers) {
+    PENUMBRA_ASSERT(array.target_ == GL_TEXTURE_2D_ARRAY && first_layer >= 0 && layers >= 1 &&
+                    first_layer + layers <= array.layers_);
+    TextureImage image;
+    image.texture_ = Texture::create();
+    image.target_ = array.target_;
+    image.format_ = array.format_;
+    image.width_ = array.width_;
+    image.height_ = array.height_;
+    image.layers_ = layers;
+    image.levels_ = array.levels_;
+    image.what_ = array.what_;
+    glTextureView(image.name(), array.target_, array.name(), array.format_, 0, static_cast<GLuint>(array.levels_),
+                  static_cast<GLuint>(first_layer), static_cast<GLuint>(layers));
+    image.set_filter(GL_NEAREST, GL_NEAREST);
+    image.set_wrap(GL_CLAMP_TO_EDGE);
+    check_gl("a view of " + image.what_);
     return image;
 }
 

@@ -64,6 +64,9 @@ public:
     [[nodiscard]] static TextureImage make_array(GLenum format, int width_px, int height_px, int layers,
                                                  std::string_view what, int levels = 1);
     [[nodiscard]] static TextureImage make_cube(GLenum format, int size_px, std::string_view what, int levels = 1);
+    /// Some layers of an array as an array of their own, sharing its memory, which lives as long as either. Filter and
+    /// wrap are the view's own.
+    [[nodiscard]] static TextureImage view_of(const TextureImage& array, int first_layer, int layers);
 
     [[nodiscard]] GLuint name() const noexcept { return texture_.name(); }
     [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(texture_); }

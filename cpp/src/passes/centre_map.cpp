@@ -85,13 +85,14 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
 void CentreMap::allocate(Frame& frame) {
     frustum_ = fit(frame.summary());
     const int layers = static_cast<int>(frustum_.faces.size());
+    MapLayers* shared = options_.shared_layers ? frame.map_layers() : nullptr;
     if (layers > 0) {
-        map_.allocate(options_.size_px, layers, "depth map");
+        map_.allocate(options_.size_px, layers, "depth map", shared);
         if (midpoint()) {
-            second_map_.allocate(options_.size_px, layers, "second depth map");
+            second_map_.allocate(options_.size_px, layers, "second depth map", shared);
         }
         if (needs_receiver_map(frame.summary())) {
-            receiver_map_.allocate(options_.size_px, layers, "receiver depth map");
+            receiver_map_.allocate(options_.size_px, layers, "receiver depth map", shared);
         } else {
             receiver_map_ = DepthMap{};
         }

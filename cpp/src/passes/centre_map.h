@@ -23,6 +23,7 @@ public:
         double margin_texels = 2.0;
         bool with_receivers = false;            ///< receiver_texture() is needed
         bool receivers_without_extent = false;  ///< for a light without extent as well (widths that ignore the light)
+        bool shared_layers = false;             ///< layers of arrays that lights share (MapLayers)
         bool along_light_normal = false;        ///< see MapFrustumOptions
     };
     explicit CentreMap(const Options& options)

@@ -28,21 +28,35 @@ gpu::MapBlock make_map_block(const MapFrustum& frustum, const Light& light, cons
     return block;
 }
 
-void DepthMap::allocate(int size_px, int layers, std::string_view what) {
-    if (texture_ && texture_.width() == size_px && texture_.layers() == layers) {
+void DepthMap::allocate(int size_px, int layers, std::string_view what, MapLayers* shared) {
+    if (texture() && texture().width() == size_px && texture().layers() == layers) {
         return;
     }
     targets_.clear();
     texture_ = TextureImage{};
-    texture_ = TextureImage::make_array(GL_DEPTH_COMPONENT32F, size_px, size_px, layers, what);
-    for (int layer = 0; layer < layers; ++layer) {
-        targets_.emplace_back(what);
-        targets_.back().attach_depth(texture_, layer);
+    lease_ = MapLayers::Lease{};
+    if (shared != nullptr) {
+        lease_ = shared->take(GL_DEPTH_COMPONENT32F, size_px, layers, what);
+    } else {
+        texture_ = TextureImage::make_array(GL_DEPTH_COMPONENT32F, size_px, size_px, layers, what);
     }
+    attach();
+}
+
+void DepthMap::attach() {
+    targets_.clear();
+    for (int layer = 0; layer < texture().layers(); ++layer) {
+        targets_.emplace_back(texture().what());
+        targets_.back().attach_depth(texture(), layer);
+    }
+    attached_ = lease_ ? lease_.generation() : 0;
 }
 
 void DepthMap::render(Frame& frame, GpuScene& gpu_scene, std::span<const std::uint32_t> instances, std::size_t face,
                       int layer, Cull cull, const DepthMap* peel) {
+    if (lease_ && lease_.generation() != attached_) {
+        attach();
+    }
     RenderTarget& target = targets_[static_cast<std::size_t>(layer)];
     target.bind();
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);

@@ -9,6 +9,7 @@
 #include "passes/gpu_blocks.h"
 #include "passes/gpu_scene.h"
 #include "passes/map_frustum.h"
+#include "passes/map_layers.h"
 
 namespace penumbra {
 
@@ -22,20 +23,26 @@ class Frame;
 /// perspective faces and in z for orthographic ones. What is nearer than the near plane is clamped to it.
 class DepthMap {
 public:
+    /// @param shared  takes its layers from there, unless nullptr
     /// @throws InvalidSettings or OutOfMemory with size and layers
-    void allocate(int size_px, int layers, std::string_view what);
+    void allocate(int size_px, int layers, std::string_view what, MapLayers* shared = nullptr);
     /// Draws one face into one layer; clears it first.
     /// @param instances of `gpu_scene`, whose transforms MapSetup has bound
     /// @param peel a map of the same size whose layer `layer` is peeled off, or nullptr
     void render(Frame& frame, GpuScene& gpu_scene, std::span<const std::uint32_t> instances, std::size_t face,
                 int layer, Cull cull, const DepthMap* peel = nullptr);
 
-    [[nodiscard]] const TextureImage& texture() const noexcept { return texture_; }
-    [[nodiscard]] TextureImage& texture() noexcept { return texture_; }
-    [[nodiscard]] std::size_t bytes() const noexcept { return texture_ ? texture_.bytes() : 0; }
+    /// Another one when shared layers have moved: not to be kept from pass to pass.
+    [[nodiscard]] const TextureImage& texture() const noexcept { return lease_ ? lease_.texture() : texture_; }
+    [[nodiscard]] TextureImage& texture() noexcept { return lease_ ? lease_.texture() : texture_; }
+    [[nodiscard]] std::size_t bytes() const noexcept { return texture() ? texture().bytes() : 0; }
 
 private:
+    void attach();
+
     TextureImage texture_;
+    MapLayers::Lease lease_;
+    unsigned attached_ = 0;  ///< generation of the lease that the targets hold
     std::vector<RenderTarget> targets_;
 };
 

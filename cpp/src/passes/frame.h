@@ -19,6 +19,7 @@
 
 namespace penumbra {
 
+class MapLayers;
 class RayScene;
 
 /// Everything a technique sees while it serves one light in one view, and where its V goes. On the render thread.
@@ -38,6 +39,7 @@ public:
         std::function<const RayScene&()> ray_scene;  ///< built when it is first asked for
         TextureImage& visibility;                    ///< R32F of the view's size
         RenderTarget& visibility_target;
+        MapLayers* map_layers = nullptr;  ///< maps that lights share; none: each has its own
     };
     Frame(Inputs inputs, const Plan& plan) : in_{std::move(inputs)}, plan_{plan} {}
 
@@ -53,6 +55,7 @@ public:
     [[nodiscard]] const LightSummary& summary() const noexcept { return in_.summary; }
     [[nodiscard]] const Light& light() const noexcept { return *in_.summary.light; }
     [[nodiscard]] const RayScene& ray_scene() const { return in_.ray_scene(); }
+    [[nodiscard]] MapLayers* map_layers() const noexcept { return in_.map_layers; }
     [[nodiscard]] Control& control() const noexcept { return in_.control; }
     [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
 

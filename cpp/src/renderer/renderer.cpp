@@ -10,6 +10,7 @@
 #include "gl/render_thread.h"
 #include "passes/frame.h"
 #include "passes/light_summary.h"
+#include "passes/map_layers.h"
 #include "reference/embree_library.h"
 #include "reference/light_mask.h"
 #include "reference/ray_reference.h"
@@ -71,6 +72,7 @@ public:
         std::map<std::pair<std::size_t, bool>, LightSummary> summaries;
         TextureImage visibility;
         RenderTarget visibility_target;
+        MapLayers map_layers;
     };
     std::unique_ptr<State> state_;
 
@@ -153,7 +155,7 @@ public:
         run->frame = std::make_unique<Frame>(
             Frame::Inputs{device, *s.scene, s.gpu_scene, s.adjacency, s.view_pass, seen, summarised, s.fullscreen,
                           s.clock, control, [this, &control]() -> const RayScene& { return ray_scene(control); },
-                          s.visibility, s.visibility_target},
+                          s.visibility, s.visibility_target, &s.map_layers},
             run->plan);
         const auto started = Clock::now();
         run->technique->prepare(*run->frame);
@@ -191,6 +193,29 @@ public:
             }
         }
         return total;
+    }
+
+    /// The first frame.
+    [[nodiscard]] VisibilityResult visibility(Run& run, const LightSummary& summarised) {
+        VisibilityResult made;
+        const auto started = Clock::now();
+        run.technique->update(*run.frame);
+        glFinish();
+        const auto middle = Clock::now();
+        run.technique->resolve(*run.frame);
+        glFinish();
+        made.update_ms = std::chrono::duration<double, std::milli>(middle - started).count();
+        made.resolve_ms = ms_since(middle);
+        made.setup_ms = run.setup_ms;
+        for (const StepTime& step : state_->clock.collect()) {
+            run.plan.add_time(step.name, step.ms);
+        }
+        made.visibility = result(run, summarised);
+        made.settings = run.settings;
+        made.plan = run.plan;
+        made.memory_bytes = run.technique->memory_bytes();
+        made.statistics = run.technique->statistics(*run.frame);
+        return made;
     }
 
     [[nodiscard]] std::vector<float> result(const Run& run, const LightSummary& summarised) const {
@@ -275,29 +300,24 @@ std::string Renderer::supports(std::size_t light, std::string_view technique) co
 }
 
 VisibilityResult Renderer::visibility(std::size_t light, const Job& job, bool keep_everything, Control& control) {
+    return std::move(visibility(std::span<const std::size_t>{&light, 1}, job, keep_everything, control).front());
+}
+
+std::vector<VisibilityResult> Renderer::visibility(std::span<const std::size_t> lights, const Job& job,
+                                                   bool keep_everything, Control& control) {
     return impl_->thread_.run([&](Device& device) {
-        control.check();
-        const auto run = impl_->start(device, light, job, keep_everything, control);
-        VisibilityResult result;
-        const auto started = Clock::now();
-        run->technique->update(*run->frame);
-        glFinish();
-        const auto middle = Clock::now();
-        run->technique->resolve(*run->frame);
-        glFinish();
-        result.update_ms = std::chrono::duration<double, std::milli>(middle - started).count();
-        result.resolve_ms = ms_since(middle);
-        result.setup_ms = run->setup_ms;
-        for (const StepTime& step : impl_->state_->clock.collect()) {
-            run->plan.add_time(step.name, step.ms);
+        std::vector<std::unique_ptr<Impl::Run>> runs;
+        for (const std::size_t light : lights) {
+            control.check();
+            runs.push_back(impl_->start(device, light, job, keep_everything, control));
         }
-        result.visibility = impl_->result(*run, impl_->summary(device, light, keep_everything));
-        result.settings = run->settings;
-        result.plan = run->plan;
-        result.memory_bytes = run->technique->memory_bytes();
-        result.statistics = run->technique->statistics(*run->frame);
-        check_gl("statistics of " + job.technique);
-        return result;
+        std::vector<VisibilityResult> results;
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            control.check();
+            results.push_back(impl_->visibility(*runs[i], impl_->summary(device, lights[i], keep_everything)));
+            check_gl("statistics of " + job.technique);
+        }
+        return results;
     });
 }
 

@@ -6,6 +6,15 @@ namespace {
 
 class PenumbraMapsGl : public RendererGl {
 protected:
+    static double value_of(const VisibilityResult& result, const std::string& id) {
+        for (const Statistic& statistic : result.statistics) {
+            if (statistic.id == id) {
+                return statistic.value;
+            }
+        }
+        ADD_FAILURE() << "no statistic " << id;
+        return 0.0;
+    }
     static constexpr double kLightHeight = 4.0;
 
     /// Scene A of the specification: a half plane parallel to the light's disc, kappa = depth of the receiver over
@@ -556,6 +565,42 @@ TEST_F(PenumbraMapsGl, TheSpheresOwnShapeIsNearerToTheTruthAwayFromTheAxis) {
     const double disc = error("disc"), sphere = error("sphere");
     EXPECT_LT(sphere, 0.03);
     EXPECT_GT(disc, 2.0 * sphere);
+}
+
+// Lights side by side: layers of common arrays, each light's image its own to the bit.
+TEST_F(PenumbraMapsGl, SeveralLightsShareArraysAndHaveTheirImagesOfBefore) {
+    Scene scene;
+    scene.instances.push_back(scenes::place(scenes::sheet(-3, 3, -3, 3), "ground"));
+    scene.instances.push_back(scenes::place(scenes::sphere(16, false), "ball", {0.3, 0.2, 1.2}));
+    scene.instances.push_back(scenes::place(scenes::box({-0.3F, -0.3F, 0.0F}, {0.3F, 0.3F, 0.8F}), "box", {-1, -1, 0}));
+    scene.camera = scenes::camera_from_above(2.0, 96, 96);
+    Light spot = scenes::point_light({1.0, 0.5, 4.0}, 0.2);
+    spot.kind = LightKind::Spot;
+    spot.spot_angle_rad = 1.4;
+    scene.lights = {spot, scenes::point_light({-0.2, 0.9, 0.7}, 0.1), scenes::sun_light({0.3, 0.2, -1.0}, 0.05)};
+    renderer().set_scene(scene);
+    for (const char* packed : {"false", "true"}) {
+        const Job job{"penumbra_maps", {{"map_size", 256}, {"packed", packed == std::string{"true"}}}};
+        const std::vector<std::size_t> lights{0, 1, 2};
+        const auto together = renderer().visibility(lights, job, false, control_);
+        ASSERT_EQ(together.size(), 3U);
+        std::size_t bytes = 0;
+        double faces = 0.0;
+        for (const std::size_t light : lights) {
+            const VisibilityResult alone = renderer().visibility(light, job, false, control_);
+            EXPECT_EQ(alone.visibility, together[light].visibility) << light << " packed " << packed;
+            EXPECT_EQ(alone.memory_bytes, together[light].memory_bytes) << "a light pays for its own layers";
+            bytes += alone.memory_bytes;
+            faces += value_of(alone, "map_layers");
+            EXPECT_EQ(value_of(alone, "map_arrays"), value_of(together.back(), "map_arrays"))
+                << "as many arrays for three lights as for one";
+        }
+        EXPECT_GT(bytes, 0U);
+        EXPECT_EQ(value_of(together.back(), "map_layers"), faces);
+        EXPECT_GT(value_of(together[1], "map_layers"), 3.0 * 2.0) << "the point light has several faces";
+        // Nothing is left of them.
+        EXPECT_LT(value_of(renderer().visibility(0, job, false, control_), "map_layers"), faces);
+    }
 }
 
 }  // namespace

@@ -157,6 +157,7 @@ PenumbraMaps::PenumbraMaps(const Settings& settings)
             .bias = map_bias_from(settings),
             .facing_test = get_bool(settings, "facing_test"),
             .with_receivers = true,
+            .shared_layers = true,
             .along_light_normal = options_.shape == ConeShape::Light}},
       silhouettes_{{.source = silhouette_source(settings)}} {
     if (options_.caster_triangles > 0) {
@@ -283,28 +284,45 @@ void PenumbraMaps::allocate(Frame& frame) {
     }
     const int layers = static_cast<int>(bases_.size());
     soft_ = layers > 0 && frame.plan().runs(kPenumbra);
-    if (!soft_ || (penumbra_ && penumbra_.width() == map_.size_px() && penumbra_.layers() == layers)) {
+    if (!soft_) {
         return;
     }
     const int size_px = map_.size_px();
+    MapLayers& shared = *frame.map_layers();
+    if (!penumbra_ || penumbra_.texture().layers() != layers) {
+        penumbra_ = MapLayers::Lease{};
+        packed_ = MapLayers::Lease{};
+        penumbra_ = shared.take(options_.format, size_px, layers, "penumbra map");
+        if (options_.packed) {
+            packed_ = shared.take(GL_RG32F, size_px, layers, "packed map");
+        }
+        attached_ = glm::uvec2{0};
+    }
+    attach();
+}
+
+void PenumbraMaps::attach() {
+    const glm::uvec2 generations{penumbra_.generation(), packed_ ? packed_.generation() : 0};
+    if (attached_ == generations) {
+        return;
+    }
+    attached_ = generations;
     targets_.clear();
     packed_targets_.clear();
-    penumbra_ = TextureImage::make_array(options_.format, size_px, size_px, layers, "penumbra map");
+    const int layers = penumbra_.texture().layers();
+    const int size_px = map_.size_px();
     if (options_.by_depth_test) {
         order_ = TextureImage::make_2d(GL_DEPTH_COMPONENT32F, size_px, size_px, "penumbra map's order");
     }
-    if (options_.packed) {
-        packed_ = TextureImage::make_array(GL_RG32F, size_px, size_px, layers, "packed map");
-    }
     for (int layer = 0; layer < layers; ++layer) {
         targets_.emplace_back("penumbra map");
-        targets_.back().attach_colour(0, penumbra_, layer);
+        targets_.back().attach_colour(0, penumbra_.texture(), layer);
         if (options_.by_depth_test) {
             targets_.back().attach_depth(order_);
         }
         if (options_.packed) {
             packed_targets_.emplace_back("packed map");
-            packed_targets_.back().attach_colour(0, packed_, layer);
+            packed_targets_.back().attach_colour(0, packed_.texture(), layer);
         }
     }
 }
@@ -461,7 +479,7 @@ void PenumbraMaps::draw_penumbra(Frame& frame) {
 void PenumbraMaps::pack(Frame& frame) {
     const Program& program = frame.device().programs.get({"lib/fullscreen.vert", "techniques/penumbra_maps/pack.frag"});
     map_.texture().bind(2);
-    penumbra_.bind(3);
+    penumbra_.texture().bind(3);
     for (std::size_t i = 0; i < packed_targets_.size(); ++i) {
         program.set("layer", static_cast<int>(i));
         frame.fullscreen().draw(packed_targets_[i], program);
@@ -501,9 +519,9 @@ void PenumbraMaps::resolve(Frame& frame) {
         map_.bind(program);
         if (soft_) {
             if (options_.packed) {
-                packed_.bind(2);
+                packed_.texture().bind(2);
             } else {
-                penumbra_.bind(4);
+                penumbra_.texture().bind(4);
             }
             if (options_.both_sides) {
                 inner_.bind(5);
@@ -557,7 +575,7 @@ DebugImage PenumbraMaps::debug_image(Frame& frame, std::string_view id) {
                            });
     }
     if (id == "penumbra_map") {
-        return texture_picture(penumbra_, 0, 0.0F, 1.0F,
+        return texture_picture(penumbra_.texture(), 0, 0.0F, 1.0F,
                                "intensity of the nearest surfaces, white where nothing is drawn");
     }
     if (id == "inner_edges") {
@@ -573,11 +591,17 @@ DebugImage PenumbraMaps::debug_image(Frame& frame, std::string_view id) {
     return depth_map_picture(frame, map_);
 }
 
+std::vector<Statistic> PenumbraMaps::statistics(Frame& frame) {
+    const MapLayers::Usage usage = frame.map_layers()->usage();
+    return {{"map_arrays", "Map arrays, of all lights", "arrays", static_cast<double>(usage.arrays)},
+            {"map_layers", "Layers in use in them", "layers", static_cast<double>(usage.layers_used)}};
+}
+
 std::size_t PenumbraMaps::memory_bytes() const noexcept {
     const auto of = [](const TextureImage& texture) { return texture ? texture.bytes() : 0; };
     return map_.bytes() + silhouettes_.bytes() + inner_.bytes() +
            (options_.caster_triangles > 0 ? caster_scene_.memory_bytes() + caster_adjacency_.memory_bytes() : 0) +
-           of(penumbra_) + of(packed_) + of(order_);
+           (penumbra_ ? of(penumbra_.texture()) : 0) + (packed_ ? of(packed_.texture()) : 0) + of(order_);
 }
 
 }  // namespace penumbra

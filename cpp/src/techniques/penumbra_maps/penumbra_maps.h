@@ -34,6 +34,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept override;
     [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
     [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
+    [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
 
 private:
     enum class Ramp { Depth, Image, Exact };
@@ -55,6 +56,7 @@ private:
     [[nodiscard]] Defines drawing_defines() const;
     [[nodiscard]] const Program& lookup(Frame& frame) const;
     void allocate(Frame& frame);
+    void attach();
     void simplify_casters(Frame& frame);
     void draw_penumbra(Frame& frame);
     /// Cones and sheets of one face, with the mode's own fragment shader unless `fragment` names another.
@@ -70,9 +72,11 @@ private:
     GpuScene caster_scene_;  ///< with simplified meshes, the same instances
     GpuAdjacency caster_adjacency_;
     InnerEdges inner_;
-    std::vector<ConeBase> bases_;  ///< one per face
-    TextureImage penumbra_, packed_, order_;
+    std::vector<ConeBase> bases_;         ///< one per face
+    MapLayers::Lease penumbra_, packed_;  ///< layers of arrays that lights share, as the depth map's are
+    TextureImage order_;
     std::vector<RenderTarget> targets_, packed_targets_;
+    glm::uvec2 attached_{0};  ///< generations of the leases that the targets hold
 };
 
 }  // namespace penumbra
