@@ -54,10 +54,10 @@ def furnish() -> None:
     light.location = (-0.4, -0.6, 5.0)
     bpy.context.collection.objects.link(light)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.location = (0.4, -6.5, 4.6)
-    camera.rotation_euler = (Vector((0.1, 0.15, 0.35)) - camera.location).to_track_quat("-Z", "Y").to_euler()
+    camera.location = (0.5, -5.6, 6.6)
+    camera.rotation_euler = (Vector((0.2, 0.1, 0.1)) - camera.location).to_track_quat("-Z", "Y").to_euler()
     assert isinstance(camera.rotation_euler, Euler)
-    camera.data.lens = 50.0
+    camera.data.lens = 44.0
     bpy.context.collection.objects.link(camera)
     bpy.context.scene.camera = camera
 
@@ -129,7 +129,7 @@ def main() -> int:
         signed(sine - pictures[best], plane),
     ]
     whole = np.concatenate([panel[::-1] for panel in panels], axis=1)
-    Image.fromarray(whole).quantize(64).save(arguments.picture, optimize=True)
+    Image.fromarray(whole).save(arguments.picture, optimize=True)
     print(arguments.picture, file=sys.stderr)
     return 0
 
