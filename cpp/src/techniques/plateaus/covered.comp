@@ -3,7 +3,7 @@
 //
 // red: all texels lie under the umbra, or are looked up by nobody; green: all are looked up by nobody. Where both sides
 // of edges are drawn, a lit texel that nobody looks up still decides whether an edge is free: red is then umbra alone.
-// Texels beyond the plane's own size count as all three.
+// blue: any lies under the umbra. Texels beyond the plane's own size are unseen and under the umbra.
 #include "shared/plateau_block.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -19,7 +19,7 @@ layout(binding = 6) uniform sampler2DArray wanted;
 #else
 layout(binding = 4) uniform sampler2D finer;
 #endif
-layout(binding = 0, rg8) uniform writeonly image2D covered;
+layout(binding = 0, rgba8) uniform writeonly image2D covered;
 
 void main() {
     ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
@@ -27,6 +27,7 @@ void main() {
         return;
     }
     vec2 all_of = vec2(1.0);
+    float any_umbra = 0.0;
     for (int y = 0; y < 4; ++y) {
         for (int x = 0; x < 4; ++x) {
             ivec2 texel = 4 * cell + ivec2(x, y);
@@ -38,11 +39,14 @@ void main() {
             unseen = unseen || texelFetch(wanted, at, 0).r < 0.5;
 #endif
             bool umbra = !within || texelFetch(slopes, at, 0).r < 0.95;
+            any_umbra = within && umbra ? 1.0 : any_umbra;
             all_of = min(all_of, vec2(umbra || (SIDES == 1 && unseen) ? 1.0 : 0.0, unseen ? 1.0 : 0.0));
 #else
-            all_of = min(all_of, texelFetch(finer, texel, LEVEL - 2).rg);
+            vec3 found = texelFetch(finer, texel, LEVEL - 2).rgb;
+            all_of = min(all_of, found.rg);
+            any_umbra = max(any_umbra, found.b);
 #endif
         }
     }
-    imageStore(covered, cell, vec4(all_of, 0.0, 0.0));
+    imageStore(covered, cell, vec4(all_of, any_umbra, 0.0));
 }

@@ -18,6 +18,8 @@ constexpr const char* kLookup = "techniques/plateaus/lookup.frag";
 constexpr const char* kNoPlane = "every visible receiver lies on a plane with a texture of its own";
 constexpr double kClipAtLight = 0.999;  ///< of the light's height: what is higher has no bounded image
 constexpr int kBorder_px = 2;
+constexpr std::size_t kMostPieces = std::size_t{1}
+                                    << 19U;  ///< of slopes cut to tiles, on one plane; the rest stays whole
 constexpr int kLevels = 5;  ///< of the pyramid of covered cells: every second one is used, 4, 16 and 64 texels wide
 constexpr double kNothingDarkest = 4095.0 * 4096.0 + 4095.0;  ///< lit, from the height 0 (slopes.frag)
 
@@ -105,16 +107,6 @@ EdgeChoice edge_choice(const std::string& name) {
     return name == "silhouette" ? EdgeChoice::Silhouettes
                                 : (name == "facing" ? EdgeChoice::LightFacing : EdgeChoice::All);
 }
-
-/// Of sift.vert: what is counted, and the draws that it makes.
-struct PlaneDraws {
-    struct Command {
-        std::uint32_t count, instance_count, first, base_instance;
-    };
-    std::uint32_t kept, in_window, hidden, unused;
-    std::array<Command, 3> draws;
-};
-static_assert(sizeof(PlaneDraws) == 64);
 
 /// Textures in a row, bottom aligned.
 DebugImage side_by_side(const std::vector<BakedTexture>& textures, std::string caption) {
@@ -465,8 +457,8 @@ void Plateaus::prepare(Frame& frame) {
                       ? TextureImage::make_2d(GL_DEPTH_COMPONENT16, width, height, "texels without slopes")
                       : TextureImage{};
     const glm::ivec2 blocks = (glm::ivec2{width, height} + 63) / 64;
-    covered_ =
-        sifts_ ? TextureImage::make_2d(GL_RG8, 16 * blocks.x, 16 * blocks.y, "covered cells", kLevels) : TextureImage{};
+    covered_ = sifts_ ? TextureImage::make_2d(GL_RGBA8, 16 * blocks.x, 16 * blocks.y, "covered cells", kLevels)
+                      : TextureImage{};
     no_attributes_ = VertexArray::create();
     umbra_targets_.clear();
     slope_targets_.clear();
@@ -490,7 +482,7 @@ void Plateaus::prepare(Frame& frame) {
             slopes.attach_colour(1, darkest_, layer);
         }
     }
-    draws_ = StorageBuffer(static_cast<std::size_t>(layers) * sizeof(PlaneDraws), "draws of planes");
+    draws_ = StorageBuffer(static_cast<std::size_t>(layers) * sizeof(gpu::PlaneDraws), "draws of planes");
     silhouettes_.prepare(frame, frame.gpu_scene(), frame.adjacency(), frame.summary().casters);
     const GpuScene& scene = frame.gpu_scene();
     std::vector<std::uint32_t> first_box(std::max<std::size_t>(1, scene.instance_count()), 0);
@@ -618,27 +610,24 @@ void Plateaus::find_covered(Frame& frame, std::size_t plane, bool whole) {
     }
 }
 
-void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all) {
+bool Plateaus::cuts_to_tiles() const noexcept {
+    return sheets_ == Sheets::Envelope && !slopes_off_planes(layout_);
+}
+
+void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles) {
     const std::vector<Draw> all = draws();
-    PlaneDraws counts{};
+    gpu::PlaneDraws counts{};
     glm::ivec3 per_edge{0};
     for (std::size_t i = 0; i < all.size(); ++i) {
         per_edge[static_cast<int>(i)] = all[i].per_edge;
-        counts.draws[i].instance_count = 1;
     }
-    draws_.upload(std::span<const PlaneDraws>{&counts, 1}, plane);
+    for (gpu::PlateauDraw& draw : counts.draws) {
+        draw.instance_count = 1;
+    }
+    draws_.upload(std::span<const gpu::PlaneDraws>{&counts, 1}, plane);
     const bool fans = fans_ || edges_ != EdgeChoice::Silhouettes;
     const bool hull = sheets_ == Sheets::Tessellated || !draws_tight();
     const char* cones = sheets_ == Sheets::Envelope ? (hull ? "0" : "1") : (fans ? "2" : "1");
-    Defines more = defines(plane);
-    more.insert(more.end(), {{"HULL", hull ? "1" : "0"},
-                             {"CONES", cones},
-                             {"SHEET", sheets_ == Sheets::Envelope ? "0" : "1"},
-                             {"KEEP_ALL", keep_all ? "1" : "0"}});
-    const Program& program =
-        frame.device().programs.get({"techniques/plateaus/sift.vert", "techniques/plateaus/nothing.frag"}, more);
-    program.set("plane_index", static_cast<int>(plane));
-    program.set("vertices_per_edge", per_edge);
     silhouettes_.bind(0);
     bind_block();
     listed_.bind_storage(5);
@@ -646,11 +635,42 @@ void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all) {
     if (!keep_all) {
         covered_.bind(4);
     }
-    program.use();
+    if (tiles) {
+        const glm::ivec2 across =
+            (glm::ivec2{layout_.blocks[plane].size} + PENUMBRA_PLATEAU_TILE - 1) / PENUMBRA_PLATEAU_TILE;
+        const std::vector<float> lit(static_cast<std::size_t>(across.x) * across.y, 1.0F);
+        darkness_.replace(std::span<const float>{lit});
+        darkness_.bind_storage(7);
+    }
     glEnable(GL_RASTERIZER_DISCARD);
-    silhouettes_.draw(frame, GL_POINTS, 1);
+    for (const bool bound : {true, false}) {
+        if (bound && (!tiles || keep_all)) {
+            continue;
+        }
+        Defines more = defines(plane);
+        more.insert(more.end(), {{"HULL", hull ? "1" : "0"},
+                                 {"CONES", cones},
+                                 {"SHEET", sheets_ == Sheets::Envelope ? "0" : "1"},
+                                 {"KEEP_ALL", keep_all ? "1" : "0"},
+                                 {"TILES", tiles ? "1" : "0"},
+                                 {"BOUND", bound ? "1" : "0"}});
+        const Program& program =
+            frame.device().programs.get({"techniques/plateaus/sift.vert", "techniques/plateaus/nothing.frag"}, more);
+        program.set("plane_index", static_cast<int>(plane));
+        if (!bound) {
+            program.set("vertices_per_edge", per_edge);
+            program.set("first_tile_entry", static_cast<unsigned>(first_piece()));
+            program.set("most_tile_entries", static_cast<unsigned>(kMostPieces));
+        }
+        program.use();
+        silhouettes_.draw(frame, GL_POINTS, 1);
+        StorageBuffer::barrier();
+    }
     glDisable(GL_RASTERIZER_DISCARD);
-    StorageBuffer::barrier();
+}
+
+std::uint64_t Plateaus::first_piece() const noexcept {
+    return std::max<std::uint64_t>(1, silhouettes_.capacity());
 }
 
 void Plateaus::send_mail(Frame& frame) {
@@ -715,9 +735,15 @@ void Plateaus::draw_primitives(Frame& frame, std::size_t plane) {
     listed_.bind_storage(5);
     mailboxes_.bind_storage(3);
     first_box_.bind_storage(4);
-    for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t i = 0; i < 2 * all.size(); ++i) {
+        const Draw& draw = all[i % all.size()];
+        const bool pieces = i >= all.size();
+        if (pieces && (!cuts_to_tiles() || wireframe_)) {
+            break;
+        }
         Defines compiled = defines(plane);
-        compiled.insert(compiled.end(), all[i].defines.begin(), all[i].defines.end());
+        compiled.insert(compiled.end(), draw.defines.begin(), draw.defines.end());
+        compiled.push_back({"TILED", pieces ? "1" : "0"});
         if (wireframe_) {
             compiled.push_back({"HIDDEN", show_hidden_ ? "1" : "0"});
         }
@@ -726,21 +752,28 @@ void Plateaus::draw_primitives(Frame& frame, std::size_t plane) {
              wireframe_ ? "techniques/plateaus/wireframe.frag" : "techniques/plateaus/slopes.frag"},
             compiled);
         program.set("plane_index", static_cast<int>(plane));
+        program.set("first_entry", static_cast<unsigned>(pieces ? first_piece() : 0));
         if (store_ == Store::Depth && !wireframe_) {
             program.set("hither_yon", hither_yon_);
         }
         glBindVertexArray(no_attributes_.name());
         glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draws_.name());
-        const std::size_t command =
-            plane * sizeof(PlaneDraws) + offsetof(PlaneDraws, draws) + i * sizeof(PlaneDraws::Command);
-        for (int row = 0; row < std::max(1, all[i].rows); ++row) {
-            if (all[i].rows > 0) {
+        const std::size_t command = plane * sizeof(gpu::PlaneDraws) + offsetof(gpu::PlaneDraws, draws) +
+                                    ((pieces ? 3 : 0) + i % all.size()) * sizeof(gpu::PlateauDraw);
+        for (GLenum k = 0; pieces && k < 4; ++k) {
+            glEnable(GL_CLIP_DISTANCE0 + k);
+        }
+        for (int row = 0; row < std::max(1, draw.rows); ++row) {
+            if (draw.rows > 0) {
                 program.set("row", row);
             }
             program.use();
             glDrawArraysIndirect(GL_TRIANGLES, buffer_offset(command));
         }
         glBindVertexArray(0);
+        for (GLenum k = 0; pieces && k < 4; ++k) {
+            glDisable(GL_CLIP_DISTANCE0 + k);
+        }
     }
 }
 
@@ -798,7 +831,8 @@ void Plateaus::update(Frame& frame) {
         if (mailboxes_.bytes() > sizeof(std::uint32_t)) {
             send_mail(frame);
         }
-        const std::size_t bytes = std::max<std::uint64_t>(1, silhouettes_.capacity()) * sizeof(std::uint32_t);
+        const std::size_t pieces = cuts_to_tiles() ? kMostPieces : 0;
+        const std::size_t bytes = (std::max<std::uint64_t>(1, silhouettes_.capacity()) + pieces) * sizeof(glm::uvec2);
         if (listed_.bytes() < bytes) {
             listed_ = StorageBuffer(bytes, "silhouettes of a plane");
         }
@@ -819,7 +853,7 @@ void Plateaus::draw_plane(Frame& frame, std::size_t plane, bool whole) {
     if (sifts_) {
         find_covered(frame, plane, whole);
     }
-    sift(frame, plane, !sifts_);
+    sift(frame, plane, !sifts_, cuts_to_tiles());
     draw_slopes(frame, plane);
 }
 
@@ -845,7 +879,7 @@ void Plateaus::resolve(Frame& frame) {
 
 std::size_t Plateaus::memory_bytes() const noexcept {
     std::size_t bytes = map_.bytes() + silhouettes_.bytes() + mailboxes_.bytes() + first_box_.bytes() +
-                        listed_.bytes() + draws_.bytes();
+                        listed_.bytes() + draws_.bytes() + darkness_.bytes();
     for (const TextureImage* texture :
          {&slopes_, &umbra_, &skip_depth_, &covered_, &wanted_, &darkest_, &plane_of_pixel_}) {
         bytes += *texture ? texture->bytes() : 0;
@@ -903,7 +937,7 @@ DebugImage Plateaus::primitives_picture(Frame& frame) {
     target.clear_colour(0, glm::vec4{0.0F});
     wireframe_ = true;
     for (const bool hidden_ones : {true, false}) {
-        sift(frame, 0, hidden_ones || !sifts_);
+        sift(frame, 0, hidden_ones || !sifts_, false);
         target.bind();
         glDisable(GL_DEPTH_TEST);
         glDisable(GL_BLEND);
@@ -914,7 +948,8 @@ DebugImage Plateaus::primitives_picture(Frame& frame) {
     }
     wireframe_ = false;
     show_hidden_ = false;
-    const PlaneDraws counts = draws_.read<PlaneDraws>()[0];
+    const gpu::PlaneDraws counts = draws_.read<gpu::PlaneDraws>()[0];
+    sift(frame, 0, !sifts_, cuts_to_tiles());
     draw_slopes(frame, 0);
     drawn_whole_ = drawn_whole_ && !wanted_;
     const std::vector<glm::vec4> lines = colour.read<glm::vec4>();

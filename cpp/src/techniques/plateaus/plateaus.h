@@ -67,7 +67,11 @@ private:
     void draw_plane(Frame& frame, std::size_t plane, bool whole);
     void draw_umbra(Frame& frame, std::size_t plane, bool whole);
     void find_covered(Frame& frame, std::size_t plane, bool whole);
-    void sift(Frame& frame, std::size_t plane, bool keep_all);
+    void sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles);
+    /// Wide slopes are cut to tiles.
+    [[nodiscard]] bool cuts_to_tiles() const noexcept;
+    /// Where in `listed_` they are, behind all records.
+    [[nodiscard]] std::uint64_t first_piece() const noexcept;
     void draw_slopes(Frame& frame, std::size_t plane);
     void draw_primitives(Frame& frame, std::size_t plane);
     [[nodiscard]] DebugImage primitives_picture(Frame& frame);
@@ -101,6 +105,7 @@ private:
     PlateauLight light_;
     StorageBuffer instances_, block_, mailboxes_, first_box_;
     StorageBuffer listed_, draws_;  ///< sift.vert: records of the plane at hand; counts and indirect draws by plane
+    StorageBuffer darkness_;        ///< of the tiles of the plane at hand: lambda is nowhere above
     VertexArray no_attributes_;
     TextureImage skip_depth_;  ///< 0 in the hard shadow and where nobody looks: slopes are not even computed there
     TextureImage covered_;     ///< the plane at hand: pyramid of covered.comp

@@ -7,14 +7,22 @@
 //       2 one row of a tessellated sheet, 6 CELLS vertices; the rule of cells for CELLS_BY_RULE    3 a cone as a fan, 3 SEGMENTS vertices
 #define HULL (PART == 1)
 #include "techniques/plateaus/bounds.glsl"
+#include "shared/plateau_draws.h"
 
 layout(std430, binding = 0) readonly buffer Records { SilhouetteRecord records[]; };
-layout(std430, binding = 5) readonly buffer Listed { uint listed[]; };  // record, kNoSheet, kNoCone
+layout(std430, binding = 5) readonly buffer Listed { uvec2 listed[]; };  // record, kNoSheet, kNoCone; tile
+uniform uint first_entry;
 #if MAILBOX
 layout(std430, binding = 3) readonly buffer Mailboxes { uint first_record[]; };
 layout(std430, binding = 4) readonly buffer FirstBoxes { uint first_box[]; };  // by instance
 #endif
 
+#if TILED
+out gl_PerVertex {
+    vec4 gl_Position;
+    float gl_ClipDistance[4];
+};
+#endif
 flat out vec4 ends;    // where the edge's ends are projected to
 flat out vec4 scales;  // sigma of both, height of both
 #if PART >= 2
@@ -33,9 +41,10 @@ float cell_error(float r0, float r1, int n) {
 void main() {
     int entry = gl_VertexID / PER_EDGE;
     int k = gl_VertexID - entry * PER_EDGE + FIRST_VERTEX;
-    uint index = listed[entry] & kRecordMask;
-    bool sheet = (listed[entry] & kNoSheet) == 0u;
-    bool cone = (listed[entry] & kNoCone) == 0u;
+    uvec2 of = listed[first_entry + uint(entry)];
+    uint index = of.x & kRecordMask;
+    bool sheet = (of.x & kNoSheet) == 0u;
+    bool cone = (of.x & kNoCone) == 0u;
     SilhouetteRecord record = records[index];
     Slope slope = measure(record);
     bool drawn = slope.drawn;
@@ -101,6 +110,15 @@ void main() {
 #endif
 
     vec2 p = plane_from_circle(slope, at);
+#if TILED
+    vec2 texel = (p - PLANE.window.xy) * PLANE.window.w;
+    vec2 low = float(PENUMBRA_PLATEAU_TILE) * vec2(of.y & 0xffffu, of.y >> 16);
+    vec2 high = low + float(PENUMBRA_PLATEAU_TILE);
+    gl_ClipDistance[0] = texel.x - low.x;
+    gl_ClipDistance[1] = texel.y - low.y;
+    gl_ClipDistance[2] = high.x - texel.x;
+    gl_ClipDistance[3] = high.y - texel.y;
+#endif
     vec2 clip_xy = 2.0 * (p - PLANE.window.xy) * PLANE.window.w / vec2(PLANE.size.xy) - 1.0;
     // Far outside of the window nothing is lost by holding coordinates within what the rasteriser takes.
     gl_Position = drawn ? vec4(clip_xy, 0.5, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
