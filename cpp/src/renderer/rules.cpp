@@ -20,6 +20,8 @@ const std::vector<RuleInfo>& rules() {
         {"every-receiver-on-a-plane", "every visible receiver lies on a plane with a texture of its own", 0.0},
         {"silhouette-under-umbra", "all texels that an edge's slopes reach are black already, or looked up by no pixel",
          0.0},
+        {"slope-never-darkest",
+         "all over a tile of the texture another edge's slope is darker, or the edge's own is white", 0.0},
         {"texel-without-pixel", "no pixel of the view looks the texel up", 0.0},
         {"eye-outside-volume",
          "a separating plane keeps the caster apart from the hull of light, eye and near rectangle, so that its volume "

@@ -386,6 +386,11 @@ Plan Plateaus::plan(const LightSummary& summary) const {
                            "found on the device for each plane: all of an edge's sheet and cone lies under the umbra, "
                            "or where no pixel looks");
         }
+        if (sifts(summary, layout) && sheets_ == Sheets::Envelope) {
+            plan.leave_out("tiles of wide slopes", "slope-never-darkest",
+                           "found on the device by bounds of each slope over each tile of " +
+                               std::to_string(PENUMBRA_PLATEAU_TILE) + " texels");
+        }
         if (skips_unseen(summary, layout)) {
             plan.leave_out("unseen texels", "texel-without-pixel", "no pixel of the view looks them up");
         }
@@ -875,6 +880,23 @@ void Plateaus::resolve(Frame& frame) {
         }
         frame.resolve_with(program);
     });
+}
+
+std::vector<Statistic> Plateaus::statistics(Frame& frame) {
+    if (!frame.plan().runs("silhouettes")) {
+        return {};
+    }
+    double all = 0.0;
+    double hidden = 0.0;
+    double pieces = 0.0;
+    for (const gpu::PlaneDraws& plane : draws_.read<gpu::PlaneDraws>()) {
+        all += plane.in_window;
+        hidden += plane.hidden;
+        pieces += std::min<double>(plane.tiles, static_cast<double>(kMostPieces));
+    }
+    return {{"silhouettes", "Silhouettes whose slopes meet a plane's window", "edges, plane by plane", all},
+            {"hidden_silhouettes", "Of these left out, for they change nothing", "edges, plane by plane", hidden},
+            {"slope_pieces", "Pieces that wide slopes were cut to", "tiles, edge by edge", pieces}};
 }
 
 std::size_t Plateaus::memory_bytes() const noexcept {

@@ -26,6 +26,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept override;
     [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
     [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
+    [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
     [[nodiscard]] std::vector<BakedTexture> bake(Frame& frame) override;
 
 private:
