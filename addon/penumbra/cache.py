@@ -1,4 +1,6 @@
-"""References kept between runs: tracing one takes longer than everything else of a comparison."""
+"""References kept between runs: tracing one takes longer than everything else of a comparison. Beside them lie the
+pictures of comparisons made in Blender (comparison/pictures.py).
+"""
 
 from __future__ import annotations
 
@@ -22,6 +24,7 @@ from .records import ReferenceResult
 _LAYOUT = 1
 _ARRAYS = ("area", "irradiance", "standard_error", "irradiance_standard_error", "mask")
 _SUFFIX = ".reference.npz"
+_SUFFIXES = (_SUFFIX, ".comparison.npz")  # of all that is kept here
 DEFAULT_BYTES = 2 << 30
 _UNITS = {"": 1, "k": 1 << 10, "m": 1 << 20, "g": 1 << 30, "t": 1 << 40}
 
@@ -107,13 +110,17 @@ class ReferenceCache:
             facts=np.frombuffer(json.dumps(facts).encode(), np.uint8),
             **{name: getattr(reference, name) for name in _ARRAYS},
         )
-        data = buffer.getbuffer()
+        return self.keep(self._path(entry).name, buffer.getbuffer())
+
+    def keep(self, name: str, data: bytes | memoryview) -> bool:
+        """Keeps a file of this name, which ends as one of ours; False if the folder does not take it."""
+        assert name.endswith(_SUFFIXES)
         if len(data) > self.max_bytes:
             return False
         try:
             self.root.mkdir(parents=True, exist_ok=True)
             self._make_room(len(data))
-            with whole_file(self._path(entry)) as writable, open(writable, "wb") as file:
+            with whole_file(self.root / name) as writable, open(writable, "wb") as file:
                 file.write(data)
         except OSError:
             return False
@@ -130,7 +137,7 @@ class ReferenceCache:
         found = []
         with contextlib.suppress(OSError), os.scandir(self.root) as listing:
             for item in listing:
-                if item.name.endswith(_SUFFIX):
+                if item.name.endswith(_SUFFIXES):
                     with contextlib.suppress(OSError):  # another process may just have removed it
                         status = item.stat()
                         found.append((status.st_mtime, status.st_size, Path(item.path)))

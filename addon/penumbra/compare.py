@@ -306,9 +306,14 @@ class Comparer:
             answers = []
             for i, settings in enumerate(seeds):
                 answers.append(
-                    self._renderer.visibility(index, job.id, settings, keep_everything=self._options.keep_everything)
+                    self._renderer.visibility(
+                        index,
+                        job.id,
+                        settings,
+                        keep_everything=self._options.keep_everything,
+                        progress=lambda share, text, i=i: self._progress((i + share) / (len(seeds) + 1)),
+                    )
                 )
-                self._progress((i + 1) / (len(seeds) + 1))
         except self._core.Cancelled:
             raise
         except self._core.Error as error:
@@ -324,7 +329,7 @@ class Comparer:
         measure, mask = self._core.measure_errors, reference.mask
         record.area = dict(measure(pictures, reference.area, reference.standard_error, mask))
         record.irradiance = dict(measure(pictures, reference.irradiance, reference.irradiance_standard_error, mask))
-        record.flip = images.flip_mean(pictures[0], reference.area, mask)
+        record.flip = images.flip_mean(pictures[0], reference.area, mask) if images.has_flip() else None
         if not record.is_sweep_step:
             record.visibility = pictures[0]
         return record

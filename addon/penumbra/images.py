@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib.util
 import io
 import os
 from collections.abc import Mapping
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from . import colours
 from .files import whole_file
 from .records import Image, Mask
 
@@ -107,19 +109,10 @@ def shade(irradiance: Image, visibility: Image, albedo: Image, white: float) -> 
 # --- errors as colours -----------------------------------------------------------------------------------------------
 
 
-@functools.cache
-def colour_table(name: str) -> Bytes:
-    """256 RGB colours of a matplotlib colour map."""
-    import matplotlib
-
-    table: Bytes = np.rint(matplotlib.colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3] * 255).astype(np.uint8)
-    return table
-
-
 def false_colour(error: Image, mask: Mask, scale: float = ERROR_SCALE) -> Bytes:
     """|error| from black (0) through red to pale yellow (`scale` and more); mid grey outside the mask."""
     index = np.clip(np.abs(error) * (255.0 / scale) + 0.5, 0, 255).astype(np.uint8)
-    picture = colour_table("inferno")[index]
+    picture = colours.table("inferno")[index]
     picture[mask == 0] = 64
     return picture
 
@@ -136,7 +129,7 @@ def with_legend(picture: Bytes, title: str, scale: float = ERROR_SCALE) -> Bytes
     draw = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(11)
     bar_left, bar_width, bar_top = 12, min(256, sheet.width - 24), height + 8
-    ramp = colour_table("inferno")[np.linspace(0, 255, bar_width).astype(int)]
+    ramp = colours.table("inferno")[np.linspace(0, 255, bar_width).astype(int)]
     sheet.paste(Pillow.fromarray(np.repeat(ramp[None], 10, axis=0)), (bar_left, bar_top))
     labels = [(0.0, "la", "0"), (0.5, "ma", f"{scale / 2:g}"), (1.0, "ra", f"{scale:g}")]
     if sheet.width > bar_width + 80:
@@ -156,6 +149,11 @@ def with_legend(picture: Bytes, title: str, scale: float = ERROR_SCALE) -> Bytes
 def display_grey(visibility: Image) -> Image:
     """The fixed display mapping that FLIP looks at: sRGB(0.05 + 0.75 V), grey, no exposure and no albedo."""
     return srgb_from_linear(0.05 + 0.75 * np.clip(visibility, 0.0, 1.0))
+
+
+def has_flip() -> bool:
+    """False in a Blender whose extension came without the report's libraries."""
+    return importlib.util.find_spec("flip_evaluator") is not None
 
 
 def flip_mean(visibility: Image, reference: Image, mask: Mask) -> float:

@@ -270,3 +270,52 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def from_json(document: dict[str, Any]) -> Comparison:
+    """The records that to_json() wrote; pixels are not in it."""
+    return Comparison(
+        environment=dict(document["environment"]),
+        options=dict(document["options"]),
+        scenes=[_scene_from(scene) for scene in document["scenes"]],
+        failures=[Failure(**failure) for failure in document["failures"]],
+    )
+
+
+def _scene_from(raw: dict[str, Any]) -> SceneResult:
+    lights = [_light_from(light) for light in raw["lights"]]
+    width, height = raw["size"]
+    return SceneResult(**(raw | {"size": (int(width), int(height)), "lights": lights}))
+
+
+def _light_from(raw: dict[str, Any]) -> LightResult:
+    named = {key: value for key, value in raw.items() if key not in ("reference", "records", "budgets")}
+    return LightResult(
+        **named,
+        reference_info=raw["reference"],
+        records=[_record_from(record) for record in raw["records"]],
+        budgets=[Budget(**budget) for budget in raw["budgets"]],
+    )
+
+
+def _record_from(raw: dict[str, Any]) -> Record:
+    names = ("technique", "title", "settings", "status", "reason", "sweep")
+    record = Record(**{name: raw[name] for name in names})
+    if record.status != "ok":
+        return record
+    record.seeds, record.flip = raw["seeds"], raw["error"]["flip"]
+    record.area, record.irradiance = _numbers(raw["error"]["area"]), _numbers(raw["error"]["irradiance"])
+    record.time_ms = {name: Spread(**_numbers(spread)) for name, spread in raw["time_ms"].items()}
+    record.memory_bytes, record.on_pareto_front = raw["memory_bytes"], raw["on_pareto_front"]
+    record.plan = [Step(**step) for step in raw["plan"]]
+    record.statistics = [Statistic(**_numbers(statistic)) for statistic in raw["statistics"]]
+    record.images = dict(raw["images"])
+    return record
+
+
+def _numbers(raw: dict[str, Any]) -> dict[str, Any]:
+    """What _plain() wrote as nothing was not a number."""
+    return {
+        key: _numbers(value) if isinstance(value, dict) else math.nan if value is None else value
+        for key, value in raw.items()
+    }

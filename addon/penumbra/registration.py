@@ -6,6 +6,9 @@ import atexit
 from typing import Protocol
 
 from . import blender_command, engine, preferences, properties, session
+from .comparison import operators as comparison_operators
+from .comparison import properties as comparison_properties
+from .panel import comparison as comparison_panel
 from .panel import render_settings
 
 
@@ -14,7 +17,16 @@ class _Part(Protocol):
     def unregister(self) -> None: ...
 
 
-_PARTS: tuple[_Part, ...] = (preferences, properties, engine, render_settings, blender_command)
+_PARTS: tuple[_Part, ...] = (
+    preferences,
+    properties,
+    comparison_properties,
+    engine,
+    render_settings,
+    comparison_operators,
+    comparison_panel,
+    blender_command,
+)
 _registered: list[_Part] = []
 
 

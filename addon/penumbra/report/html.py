@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from importlib import resources
 from typing import Any
 
-from .. import images, verdict
+from .. import colours, verdict
 from ..files import slug
 from ..records import PART_FIELDS, Comparison, LightResult, Record, Value
 from . import palette
@@ -56,8 +56,8 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
                 "albedo": {shown_scene.slug: shown_scene.embedded.albedo for shown_scene in shown},
                 "sceneOf": {light["key"]: scene["slug"] for scene in scenes for light in scene["lights"]},
                 "lights": data,
-                "inferno": base64.b64encode(images.colour_table("inferno").tobytes()).decode(),
-                "signed": base64.b64encode(images.colour_table("RdBu_r").tobytes()).decode(),
+                "inferno": base64.b64encode(colours.table("inferno").tobytes()).decode(),
+                "signed": base64.b64encode(colours.table("RdBu_r").tobytes()).decode(),
             }
         ),
         plot=base64.b64encode(plot_png).decode(),
