@@ -105,7 +105,7 @@ def _result(entry: Planned, outcome: Outcome | None, store: Store, how: How) -> 
     from .summary import Result
 
     if outcome is not None and outcome.status == "done":
-        return Result(entry.item, store.page(entry.item), outcome.document, kept=False)
+        return Result(entry.item, store.page(entry.item), outcome.document, False, attempts=outcome.attempts)
     if outcome is not None:
         return Result(entry.item, None, {}, False, outcome.reason, outcome.lines, outcome.attempts)
     if entry.kept or (not how.do_items and entry.state.why_not == "something failed the last time"):

@@ -201,7 +201,7 @@ class Store:
         """Removes what a process of this machine left behind when it was killed; by default, of all that have ended."""
         with contextlib.suppress(OSError):
             for place in list(self._work.iterdir()):
-                match = re.fullmatch(re.escape(_owner(0))[:-2] + r"(\d+)-.*", place.name)
+                match = re.fullmatch(re.escape(_host()) + r"-(\d+)-.*", place.name)
                 if match and (int(match[1]) == pid if pid is not None else not _alive(int(match[1]))):
                     shutil.rmtree(place, ignore_errors=True)
 
@@ -212,10 +212,13 @@ class Store:
                 folder.rmdir()
 
 
+def _host() -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "-", socket.gethostname())[:40]
+
+
 def _owner(pid: int) -> str:
     """How the name of a work folder begins: machines share the folder, so the process alone does not tell."""
-    host = re.sub(r"[^A-Za-z0-9]+", "-", socket.gethostname())[:40]
-    return f"{host}-{pid}-"
+    return f"{_host()}-{pid}-"
 
 
 def _alive(pid: int) -> bool:
