@@ -9,7 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -120,6 +120,47 @@ def wall_blend(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = subprocess.run([sys.executable, "-c", _SCENE, str(path)], capture_output=True, text=True)
     assert path.is_file(), made.stderr
     return path
+
+
+_ANIMATION = """
+import bpy, sys
+bpy.ops.wm.open_mainfile(filepath=sys.argv[-2])
+wall = bpy.data.objects["Wall"]
+for frame, x in ((1, 0.0), (4, 1.5)):
+    wall.location.x = x
+    wall.keyframe_insert("location", frame=frame)
+bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1], compress=False)
+"""
+
+
+@pytest.fixture(scope="session")
+def moving(wall_blend: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wall moves to the right from frame 1 to 4."""
+    path = tmp_path_factory.mktemp("moving") / "moving.blend"
+    program = [sys.executable, "-c", _ANIMATION, str(wall_blend), str(path)]
+    made = subprocess.run(program, capture_output=True, text=True)
+    assert path.is_file(), made.stderr
+    return path
+
+
+@pytest.fixture
+def started(environment: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Starts `penumbra` and does not wait for it."""
+    processes = []
+
+    def start(words: list[str], **more: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "penumbra", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            cwd=tmp_path, env=environment | {"PENUMBRA_CACHE": os.environ["PENUMBRA_CACHE"]} | more,
+        )  # fmt: skip
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
 
 
 @pytest.fixture(scope="session")

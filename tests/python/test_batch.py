@@ -2,118 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import json
 import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from checks import check_files, check_page
+from batch_kit import OPTIONS, PATIENCE_S, children, finished, gone, summary_of, wait_until
+from checks import check_page
 
 pytestmark = pytest.mark.usefixtures("working_machine")
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
-OPTIONS = ("--size=64x36", "--techniques=shadow_map", "--lights=Key", "--reference-error=0.1")
-PATIENCE_S = 120.0
-
-_ANIMATE = """
-import bpy, sys
-bpy.ops.wm.open_mainfile(filepath=sys.argv[-2])
-wall = bpy.data.objects["Wall"]
-for frame, x in ((1, 0.0), (4, 1.5)):
-    wall.location.x = x
-    wall.keyframe_insert("location", frame=frame)
-bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1], compress=False)
-"""
-
-
-@pytest.fixture(scope="module")
-def moving(wall_blend: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wall moves to the right from frame 1 to 4."""
-    path = tmp_path_factory.mktemp("moving") / "moving.blend"
-    made = subprocess.run([sys.executable, "-c", _ANIMATE, str(wall_blend), str(path)], capture_output=True, text=True)
-    assert path.is_file(), made.stderr
-    return path
 
 
 @pytest.fixture
 def words(moving: Path, tmp_path: Path) -> list[str]:
     """A batch of four frames."""
     return ["batch", str(moving), "--frames=1-4", "--out", str(tmp_path / "out"), *OPTIONS]
-
-
-@pytest.fixture
-def started(environment: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """Starts `penumbra` and does not wait for it."""
-    processes = []
-
-    def start(words: list[str], **more: str) -> subprocess.Popen[str]:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "penumbra", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            cwd=tmp_path, env=environment | {"PENUMBRA_CACHE": os.environ["PENUMBRA_CACHE"]} | more,
-        )  # fmt: skip
-        processes.append(process)
-        return process
-
-    yield start
-    for process in processes:
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
-
-
-def summary_of(folder: Path) -> dict[str, Any]:
-    def refuse(word: str) -> None:
-        raise AssertionError(f"summary.json holds {word}")
-
-    document: dict[str, Any] = json.loads((folder / "summary.json").read_text(), parse_constant=refuse)
-    return document
-
-
-def children(pid: int) -> list[int]:
-    found = []
-    for folder in Path("/proc").iterdir():
-        with contextlib.suppress(OSError, ValueError):
-            if int((folder / "stat").read_text().rpartition(")")[2].split()[1]) == pid:
-                found.append(int(folder.name))
-    return found
-
-
-def wait_until(happened: Callable[[], Any], what: str) -> Any:
-    end = time.monotonic() + PATIENCE_S
-    while not (found := happened()):
-        assert time.monotonic() < end, f"never happened: {what}"
-        time.sleep(0.01)
-    return found
-
-
-def gone(pid: int) -> bool:
-    with contextlib.suppress(OSError):
-        return "\nState:\tZ" in Path(f"/proc/{pid}/status").read_text()
-    return True
-
-
-def finished(out: Path) -> list[str]:
-    """Items that are there; every one of them is whole."""
-    items = sorted(path.parent for path in out.glob("*/*/item.json"))
-    for item in items:
-        check_item(item)
-    folders = [path for path in out.glob("*/*") if path.is_dir() and path.parent.name != ".penumbra"]
-    assert sorted(folders) == items, "a folder without its item.json"
-    return [str(item.relative_to(out)) for item in items]
-
-
-def check_item(folder: Path) -> None:
-    inside = json.loads((folder / "item.json").read_text())
-    assert inside["item"] == str(folder.relative_to(folder.parents[1]))
-    check_files(folder)
 
 
 # --- a batch that goes well ------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from .jobs import Item
 from .local import ATTEMPTS, ITEMS_PER_WORKER, Outcome, Tell, times, wait_alone
 from .store import Document, Store, core_digest
 
-_CONNECT_S = 15.0
+_CONNECT_S = 5.0
 _TELL_S = 1.0
 LOST_WORKERS = 5  # an item that was on so many lost workers is given up
 
@@ -39,7 +39,7 @@ def run(items: Sequence[Item], store: Store, address: str, tell: Tell) -> Iterat
         futures = [
             client.submit(task, order | {"item": item.to_json()}, key=key, pure=False) for key, item in by_key.items()
         ]
-        finished: Any = distributed.as_completed(futures)  # type: ignore[no-untyped-call]
+        finished: Any = distributed.as_completed(futures, loop=client.loop)  # type: ignore[no-untyped-call]
         done = 0
         try:
             while done < len(futures):

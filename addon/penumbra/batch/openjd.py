@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
-from ..files import write_bytes
+from ..files import slug, write_bytes
 from .jobs import Item, Job, expand, frames_text
 
 VERSION = "jobtemplate-2023-09"
@@ -24,21 +24,33 @@ _MAX_RANGE = 1024  # members of a list of values, as the specification allows
 Document = dict[str, Any]
 
 
-def write(job: Job, path: Path) -> None:
-    """.json, .yaml or .yml. @raises UserError for another ending, or a job that cannot be written down"""
+def write(job: Job, path: Path) -> dict[str, str]:
+    """.json, .yaml or .yml. @return parameters without a default, with the values that they have here
+
+    @raises UserError for another ending, or a job that cannot be written down
+    """
     if path.suffix.lower() not in (".json", ".yaml", ".yml"):
         raise UserError(f'an Open Job Description ends in .json or .yaml, not "{path}"')
     if not path.parent.is_dir():
         raise UserError(f'the folder "{path.parent}" for the Open Job Description does not exist')
     # JSON is YAML: one text serves both, and needs no library.
-    write_bytes(path, (json.dumps(template(job), indent=2, ensure_ascii=False) + "\n").encode())
+    document = template(job, path.parent)
+    write_bytes(path, (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode())
+    here = {"Output": job.out.resolve()} | {f"Scene{i}": shot.scene.resolve() for i, shot in enumerate(job.shots, 1)}
+    return {
+        parameter["name"]: str(here[parameter["name"]])
+        for parameter in document["parameterDefinitions"]
+        if "default" not in parameter
+    }
 
 
-def template(job: Job) -> Document:
-    """The document."""
+def template(job: Job, folder: Path) -> Document:
+    """The document. folder: where it will lie, which defaults of paths are relative to; they may not lead out of it."""
     items: dict[str, list[Item]] = {}
     for item in expand(job):
         items.setdefault(item.name, []).append(item)
+    if SUMMARY in map(_plain, items):
+        raise UserError(f"a scene is called {SUMMARY}, as the last step of the job is; name it otherwise")
     parameters: list[Document] = [
         {
             "name": "Penumbra",
@@ -51,7 +63,7 @@ def template(job: Job) -> Document:
             "type": "PATH",
             "objectType": "DIRECTORY",
             "dataFlow": "OUT",
-            "default": str(job.out.resolve()),
+            **_default(job.out, folder),
             "description": "The folder for all results; all workers and the summary must see the same one.",
         },
     ]
@@ -64,7 +76,7 @@ def template(job: Job) -> Document:
                 "type": "PATH",
                 "objectType": "FILE",
                 "dataFlow": "IN",
-                "default": own[0].scene,
+                **_default(Path(own[0].scene), folder),
                 "description": f"The scene {name}.",
             }
         )
@@ -84,6 +96,13 @@ def template(job: Job) -> Document:
     }
 
 
+def _default(path: Path, folder: Path) -> Document:
+    try:
+        return {"default": path.resolve().relative_to(folder.resolve()).as_posix()}
+    except ValueError:
+        return {}
+
+
 def _step(name: str, scene: str, items: list[Item]) -> Document:
     first = items[0]
     arguments = ["batch", f"{{{{Param.{scene}}}}}", "--out", "{{Param.Output}}", "--name", name, "--no-summary"]
@@ -96,6 +115,8 @@ def _step(name: str, scene: str, items: list[Item]) -> Document:
         cameras = list(dict.fromkeys(item.camera for item in items if item.camera is not None))
         if len(cameras) > _MAX_RANGE:
             raise UserError(f'"{name}" has {len(cameras)} cameras; an Open Job Description takes {_MAX_RANGE}')
+        if len({slug(camera) for camera in cameras}) < len(cameras):  # a task does not know the others
+            raise UserError(f'cameras of "{name}" differ only in what a file name leaves out; rename one')
         space.append({"name": "Camera", "type": "STRING", "range": [_literal(camera) for camera in cameras]})
         arguments.append("--camera={{Task.Param.Camera}}")
     arguments += [_literal(word) for word in _options(first)]

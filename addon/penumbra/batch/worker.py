@@ -25,6 +25,7 @@ from ..errors import UserError, sentence_of
 from ..progress import ToldProgress
 
 _TELL_INTERVAL_S = 0.2
+_IDLE_S = 120.0  # then it goes: on a farm nobody says that a batch is over
 _PR_SET_PDEATHSIG = 1
 
 
@@ -40,9 +41,10 @@ def serve(descriptor: int) -> int:
         bench = work.Workbench()
     try:
         _send(channel, {"ready": os.getpid()})
-        while True:
+        while channel.poll(_IDLE_S):
             order = json.loads(channel.recv_bytes())
             _send(channel, _answer(bench, order, channel))
+        return 0
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return 0
 

@@ -99,8 +99,10 @@ def _batch(arguments: argparse.Namespace) -> int:
     if arguments.openjd is not None:
         from ..batch import openjd
 
-        openjd.write(job, arguments.openjd)
+        missing_values = openjd.write(job, arguments.openjd)
         print(arguments.openjd)
+        for name, value in missing_values.items():  # outside the file's folder, which a default may not be
+            print(f"give when submitting: {name}={value}")
         return errors.OK
     check_folder(job.out, why_not_writable(job.out))
     return run.run(
