@@ -75,3 +75,63 @@ def ensure_gltf_importer(bpy: Any) -> None:
         import addon_utils
 
         addon_utils.enable(_FACTORY_GLTF, default_set=False)
+
+
+# --- the compositor: a tree of the scene's own up to 4.5, a node group from 5.0 on ------------------------------------
+
+
+def compositor_tree(scene: Any, *, make: bool) -> Any | None:
+    """The scene's compositing nodes, in use; None where there are none and `make` is off."""
+    import bpy
+
+    if hasattr(scene, "compositing_node_group"):
+        if scene.compositing_node_group is None and make:
+            tree = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
+            tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+            scene.compositing_node_group = tree
+        return scene.compositing_node_group
+    if make and not scene.use_nodes:
+        scene.use_nodes = True
+    return scene.node_tree if scene.use_nodes else None
+
+
+def compositor_output(tree: Any) -> Any:
+    """The socket that takes the render's final picture; its node is made where there is none."""
+    import bpy
+
+    own = "CompositorNodeComposite" if hasattr(bpy.types, "CompositorNodeComposite") else "NodeGroupOutput"
+    found = next((node for node in tree.nodes if node.bl_idname == own), None)
+    if found is None:
+        found = tree.nodes.new(own)
+    return found.inputs[0]
+
+
+def compositor_node(tree: Any, kind: str) -> Any:
+    """A node that was the compositor's own up to 4.5 and is shared with shaders from 5.0 on: "Math", "SeparateXYZ" or
+    "ValToRGB".
+    """
+    import bpy
+
+    own = f"CompositorNode{kind}"
+    return tree.nodes.new(own if hasattr(bpy.types, own) else f"ShaderNode{kind}")
+
+
+def compositor_across(tree: Any, picture: Any) -> Any:
+    """A socket with the place in the picture from 0 at its left to 1 at its right edge.
+
+    picture: a socket whose picture has the size that counts (4.5 and newer)
+    """
+    import bpy
+
+    if hasattr(bpy.types, "CompositorNodeImageCoordinates"):
+        places = tree.nodes.new("CompositorNodeImageCoordinates")
+        tree.links.new(picture, places.inputs[0])
+        parts = compositor_node(tree, "SeparateXYZ")
+        tree.links.new(places.outputs["Normalized"], parts.inputs[0])
+        return parts.outputs["X"]
+    # A blend texture runs over the render's size. It gives the left edge of a pixel, where 4.5 gives its middle.
+    name = "Penumbra Across"
+    texture = bpy.data.textures.get(name) or bpy.data.textures.new(name, "BLEND")
+    node = tree.nodes.new("CompositorNodeTexture")
+    node.texture = texture
+    return node.outputs["Value"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 from typing import Protocol
 
-from . import blender_command, engine, preferences, properties, session
+from . import blender_command, compositor, engine, preferences, properties, session
 from .comparison import operators as comparison_operators
 from .comparison import properties as comparison_properties
 from .panel import comparison as comparison_panel
@@ -25,6 +25,7 @@ _PARTS: tuple[_Part, ...] = (
     render_settings,
     comparison_operators,
     comparison_panel,
+    compositor,
     blender_command,
 )
 _registered: list[_Part] = []
