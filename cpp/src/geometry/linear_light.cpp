@@ -196,23 +196,40 @@ LinearVisibility::End LinearVisibility::end_at(std::size_t map, const LinearPoin
     return end;
 }
 
-double LinearVisibility::segment_at(std::size_t segment, const LinearPoint& point, const LinearLookup& lookup) const {
+LinearVisibility::Segment LinearVisibility::segment_ends(std::size_t segment, const LinearPoint& point,
+                                                         const LinearLookup& lookup) const {
     const End first = end_at(segment, point, lookup);
     const End second = end_at(segment + 1, point, lookup);
-    const double a = first.lit ? first.after : 0.0;
-    const double b = second.lit ? second.before : 0.0;
+    Segment ends{first.lit ? first.after : 0.0, second.lit ? second.before : 0.0, 1.0};
+    const double sum = ends.first + ends.second;
     if (lookup.facing_test && (first.towards > 0.0) != (second.towards > 0.0)) {
         // The surface's own plane hides the rest of a segment that crosses it.
-        const double facing = std::max(first.towards, second.towards) / std::abs(first.towards - second.towards);
-        const double only = std::max(a, b);
-        return std::min(only == 0.5 ? 1.0 : only, facing);
+        ends.facing = std::max(first.towards, second.towards) / std::abs(first.towards - second.towards);
+        const double seen = std::max(ends.first, ends.second);
+        const double only = std::min(seen == 0.5 ? 1.0 : seen, ends.facing);
+        (first.towards > 0.0 ? ends.first : ends.second) = only;
+    } else if (lookup.clamp && sum > 1.0) {
+        ends.first /= sum;
+        ends.second /= sum;
     }
-    return lookup.clamp ? std::min(1.0, a + b) : a + b;
+    return ends;
 }
 
-double LinearVisibility::at(const LinearPoint& point, const LinearLookup& lookup) const {
+double LinearVisibility::segment_at(std::size_t segment, const LinearPoint& point, const LinearLookup& lookup) const {
+    const Segment ends = segment_ends(segment, point, lookup);
+    return ends.first + ends.second;
+}
+
+double LinearVisibility::at(const LinearPoint& point, const LinearLookup& lookup, std::span<const double> local) const {
+    const Total total = total_at(point, lookup, local);
+    return total.seen >= total.whole ? 1.0 : total.seen / total.whole;
+}
+
+LinearVisibility::Total LinearVisibility::total_at(const LinearPoint& point, const LinearLookup& lookup,
+                                                   std::span<const double> local) const {
     if (maps_.size() == 1) {
-        return end_at(0, point, lookup).lit ? 1.0 : 0.0;
+        const double whole = local.empty() ? 1.0 : local[0];
+        return {end_at(0, point, lookup).lit ? whole : 0.0, whole};
     }
     double sum = 0.0;
     double whole = 0.0;
@@ -221,10 +238,18 @@ double LinearVisibility::at(const LinearPoint& point, const LinearLookup& lookup
         const double length = maps_.back().along - maps_.front().along;
         const double share =
             length > 0.0 ? (maps_[i + 1].along - maps_[i].along) / length : 1.0 / static_cast<double>(maps_.size() - 1);
-        sum += share * segment_at(i, point, lookup);
-        whole += share;
+        Segment ends = segment_ends(i, point, lookup);
+        if (local.empty()) {
+            sum += share * (ends.first + ends.second);
+            whole += share;
+        } else {
+            // What lies behind the point's plane lights it neither with nor without casters.
+            const double half = ends.facing < 1.0 ? 0.5 / ends.facing : 1.0;
+            sum += share * half * (ends.first * local[i] + ends.second * local[i + 1]);
+            whole += share * 0.5 * (local[i] + local[i + 1]);
+        }
     }
-    return sum >= whole ? 1.0 : sum / whole;
+    return {sum, whole};
 }
 
 }  // namespace penumbra

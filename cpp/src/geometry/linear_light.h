@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 namespace penumbra {
@@ -85,7 +86,16 @@ public:
     LinearVisibility(std::vector<LinearMap> maps, const SkinRules& rules);
 
     /// V; outside of a sample's map that sample sees the point whole.
-    [[nodiscard]] double at(const LinearPoint& point, const LinearLookup& lookup) const;
+    /// @param local  how strongly each sample lights the point, any unit; empty: alike, and V is the share of the light
+    ///               that is seen. Else it is the share of the light that arrives.
+    [[nodiscard]] double at(const LinearPoint& point, const LinearLookup& lookup,
+                            std::span<const double> local = {}) const;
+    struct Total {
+        double seen = 0.0, whole = 0.0;
+    };
+    /// V as what arrives and what would without casters.
+    [[nodiscard]] Total total_at(const LinearPoint& point, const LinearLookup& lookup,
+                                 std::span<const double> local = {}) const;
     /// Each segment's own, weights not yet applied.
     [[nodiscard]] double segment_at(std::size_t segment, const LinearPoint& point, const LinearLookup& lookup) const;
 
@@ -99,6 +109,11 @@ private:
         bool lit = false;
         double towards = 0.0, before = 0.5, after = 0.5;
     };
+    struct Segment {
+        double first = 0.0, second = 0.0;  ///< what either end says
+        double facing = 1.0;               ///< share that does not lie behind the point's own plane
+    };
+    [[nodiscard]] Segment segment_ends(std::size_t segment, const LinearPoint& point, const LinearLookup& lookup) const;
     [[nodiscard]] End end_at(std::size_t map, const LinearPoint& point, const LinearLookup& lookup) const;
 
     std::vector<LinearMap> maps_;

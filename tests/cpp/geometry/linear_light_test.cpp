@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/linear_placement.h"
+
 namespace penumbra {
 namespace {
 
@@ -525,6 +527,43 @@ TEST(LinearLight, PointSamplesErrAsTheSpecificationSays) {
         EXPECT_LE(measured, rms * 1.05) << samples;
         EXPECT_GT(measured, errors_of(scene, 2, 2048).rms) << samples;
     }
+}
+
+// 2.12, with the numbers of samples and the errors that it measured.
+TEST(LinearLight, SamplesAreAddedWhereTwoAreTooFewAndNowhereElse) {
+    struct Row {
+        const char* name;
+        RowScene scene;
+        std::size_t samples;
+        double rms;
+    };
+    const std::vector<Row> rows{
+        {"strip", wide_strip(), 2, 0.0020},
+        {"thin strip", thin_strip(), 2, 0.0020},
+        {"box", floating_box(), 2, 0.026},
+        {"gap", gap(0.3, 0.7), 3, 0.0022},
+        {"off-centre gap", gap(0.75, 0.95), 5, 0.0020},
+        {"two thin strips", two_thin_strips(), 5, 0.0028},
+    };
+    for (const Row& row : rows) {
+        const auto triggers = [&](double from, double at, double to) {
+            const std::vector<LinearMap> maps = maps_of(row.scene, {from, at, to}, 2048);
+            return score_candidate(maps[0], maps[1], maps[2], {}, kPaper).triggers();
+        };
+        const std::vector<double> places = place_samples({0.0, 1.0}, 17, 1.0 / 16.0, triggers);
+        EXPECT_EQ(places.size(), row.samples) << row.name;
+        EXPECT_LE(errors_of(row.scene, static_cast<int>(places.size()), 2048).rms, row.rms) << row.name;
+    }
+}
+
+TEST(LinearLight, PlacementStopsAtItsLimits) {
+    const auto always = [](double, double, double) { return true; };
+    EXPECT_EQ(place_samples({0.0, 1.0}, 9, 0.0, always).size(), 9U);
+    EXPECT_EQ(place_samples({0.0, 1.0}, 17, 0.3, always).size(), 5U);
+    EXPECT_EQ(place_samples({0.0, 0.5, 1.0}, 3, 0.0, always).size(), 3U);
+    EXPECT_EQ(place_samples({0.0}, 9, 0.0, always).size(), 1U);
+    const std::vector<double> places = place_samples({0.0, 1.0}, 6, 0.0, always);
+    EXPECT_TRUE(std::ranges::is_sorted(places));
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include "lib/map_lookup.glsl"
 #include "lib/bias.glsl"
 #include "lib/receiver.glsl"
+#if !ONE_WINDOW
+#include "techniques/linear_light_maps/linear_windows.glsl"
+#endif
 
 layout(binding = 0) uniform usampler2D receivers;
 layout(binding = 2) uniform sampler2DArray depth_map;
@@ -14,9 +17,14 @@ layout(binding = 4) uniform sampler2DArray surface_map;  // what the channels ar
 uniform int first_layer;
 uniform vec4 views[SAMPLES * MAP_FACES];  // per window and sample: texel minus the central view's: x * d + y
 uniform vec4 places[SAMPLES];             // x along the rod, y share of the segment to the next sample
-uniform vec4 windows[MAP_FACES];          // x most |v|, y most distance along u, both per depth
 uniform float rim;                        // perspective: share of the depth; orthographic: metres
 uniform float weight;                     // of this light among those that stand for the whole
+
+#if LOCAL
+// Local illumination, for the share of the light that arrives: 1 as a line (Lambert per length), 2 to one side, 3 alike
+// all around, 4 from afar.
+uniform vec3 shine_ws;  // unit, 1 along the line, 2 direction in which it shines
+#endif
 
 #if SUM
 layout(location = 0) out vec2 sums;  // x weighted visibility, y weight
@@ -30,29 +38,7 @@ struct End {
     float local;      // weight of this sample's light at the surface
 };
 
-MapPoint find_window(vec3 p_rel, vec3 n_ws) {
-    MapPoint found = find_in_face(0, p_rel, n_ws);
-#if ONE_WINDOW
-    found.face = 0;
-#else
-    for (int i = 0; i < MAP_FACES; ++i) {
-        MapFaceBlock face = map.faces[i];
-        vec3 p = vec3(dot(face.x_ls_from_rel.xyz, p_rel), dot(face.y_ls_from_rel.xyz, p_rel),
-                      dot(face.z_ls_from_rel.xyz, p_rel));
-        bool inside = p.z > 0.0 && abs(p.y) <= windows[i].x * p.z &&
-                      p.x - places[0].x <= windows[i].y * p.z && places[SAMPLES - 1].x - p.x <= windows[i].y * p.z;
-        if (inside) {
-            found = find_in_face(i, p_rel, n_ws);
-            found.face = i;
-            break;
-        }
-        found.face = -1;
-    }
-#endif
-    return found;
-}
-
-// A light's value per texel of depth: d of stored = d * stored_per_d.
+// What moves a point between the views: 1 / z, of a sun the depth in front of the far plane.
 float inverse_distance(MapPoint at) {
 #if MAP_ORTHOGRAPHIC
     return MAP_FACE(at.face).range_m.y - at.z_ls;
@@ -61,7 +47,27 @@ float inverse_distance(MapPoint at) {
 #endif
 }
 
-End look_up(MapPoint at, float d, float n_u, float per_texel_m, vec2 n_step, int i) {
+#if LOCAL
+vec3 map_u() {
+    return MAP_FACE(0).x_ls_from_rel.xyz;
+}
+
+float local_illumination(vec3 p_rel, float towards_m) {
+    float distance = length(p_rel);
+    float cosine = max(0.0, towards_m) / distance;
+#if LOCAL == 4
+    return max(0.0, towards_m);
+#elif LOCAL == 3
+    return cosine / (distance * distance);
+#elif LOCAL == 2
+    return cosine * max(0.0, dot(p_rel, shine_ws)) / (distance * distance * distance);
+#else
+    return cosine * length(cross(p_rel, shine_ws)) / (distance * distance * distance);
+#endif
+}
+#endif
+
+End look_up(MapPoint at, vec3 p_rel, float d, float n_u, float per_texel_m, vec2 n_step, int i) {
     End end;
     int window = max(at.face, 0);
     vec2 shift = views[window * SAMPLES + i].xy;
@@ -101,58 +107,77 @@ End look_up(MapPoint at, float d, float n_u, float per_texel_m, vec2 n_step, int
 #if FACING_TEST
     end.seen = end.towards_m <= 0.0 ? vec2(0.0) : end.seen;
 #endif
+#if LOCAL
+    end.local = local_illumination(p_rel - places[i].x * map_u(), end.towards_m);
+#endif
     return end;
 }
 
-float segment(End before, End after) {
+// x what arrives from the segment between two samples, y what would arrive without casters.
+vec2 segment(End before, End after) {
     float a = before.seen.y;
     float b = after.seen.x;
+    float facing = 1.0;
+#if CLAMP
+    float excess = a + b > 1.0 ? 1.0 / (a + b) : 1.0;
+    a *= excess;
+    b *= excess;
+#endif
 #if FACING_TEST
     // The surface's own plane hides the rest of a segment that crosses it.
-    bool crosses = (before.towards_m > 0.0) != (after.towards_m > 0.0);
-    float facing = max(before.towards_m, after.towards_m) /
-                   max(abs(before.towards_m - after.towards_m), 1e-30);
-    float only = max(a, b);
-    only = min(only == 0.5 ? 1.0 : only, facing);
-    a = crosses ? only : a;
-    b = crosses ? 0.0 : b;
+    if ((before.towards_m > 0.0) != (after.towards_m > 0.0)) {
+        facing = max(before.towards_m, after.towards_m) / max(abs(before.towards_m - after.towards_m), 1e-30);
+        float only = max(before.seen.y, after.seen.x);
+        only = min(only == 0.5 ? 1.0 : only, facing);
+        a = before.towards_m > 0.0 ? only : 0.0;
+        b = before.towards_m > 0.0 ? 0.0 : only;
+    }
 #endif
-    float sum = a + b;
-#if CLAMP
-    sum = min(sum, 1.0);
+#if LOCAL
+    // What lies behind the surface's plane lights it neither with nor without casters.
+    float share = facing < 1.0 ? 0.5 / facing : 1.0;
+    return vec2(share * (a * before.local + b * after.local), 0.5 * (before.local + after.local));
+#else
+    return vec2(a + b, 1.0);
 #endif
-    return sum;
 }
 
 void main() {
     Receiver receiver = read_receiver(receivers, ivec2(gl_FragCoord.xy));
     vec3 p_rel = receiver.position_cr - map.origin_cr.xyz;
-    MapPoint at = find_window(p_rel, receiver.normal_ws);
-    int window = max(at.face, 0);
+#if ONE_WINDOW
+    const int window = 0;
+    const bool outside = false;
+#else
+    int found = find_window(p_rel);
+    bool outside = found < 0;
+    int window = max(found, 0);
+#endif
+    MapPoint at = find_in_face(window, p_rel, receiver.normal_ws);
+    at.face = window;
     float d = inverse_distance(at);
     MapFaceBlock face = MAP_FACE(window);
     float n_u = dot(face.x_ls_from_rel.xyz, receiver.normal_ws);
     vec2 n_step = vec2(n_u, dot(face.y_ls_from_rel.xyz, receiver.normal_ws)) * face.step_ls.xy;
     float per_texel_m = MAP_ORTHOGRAPHIC == 1 ? 1.0 : at.z_ls * at.z_ls;
-    float sum = 0.0;
-    float whole = 0.0;
-    End before = look_up(at, d, n_u, per_texel_m, n_step, 0);
+    vec2 total = vec2(0.0);  // seen, whole
+    End before = look_up(at, p_rel, d, n_u, per_texel_m, n_step, 0);
 #if SAMPLES == 1
-    sum = min(1.0, 2.0 * before.seen.x);
-    whole = 1.0;
+    total = vec2(2.0 * before.seen.x, 1.0);
 #else
     for (int i = 1; i < SAMPLES; ++i) {
-        End after = look_up(at, d, n_u, per_texel_m, n_step, i);
-        sum += places[i - 1].y * segment(before, after);
-        whole += places[i - 1].y;
+        End after = look_up(at, p_rel, d, n_u, per_texel_m, n_step, i);
+        total += places[i - 1].y * segment(before, after);
         before = after;
     }
 #endif
-    bool lit = !receiver.seen || at.face < 0 || sum >= whole;
-#if SUM
-    sums = weight * vec2(lit ? 1.0 : sum / whole, 1.0);
+    bool lit = !receiver.seen || total.x >= total.y;
+#if SUM && LOCAL
+    sums = !receiver.seen ? vec2(weight) : outside ? vec2(0.0) : weight * vec2(min(total.x, total.y), total.y);
+#elif SUM
+    sums = outside && receiver.seen ? vec2(0.0) : weight * vec2(lit ? 1.0 : total.x / total.y, 1.0);
 #else
     // All lit is exactly 1, also where a driver divides by way of a rounded reciprocal.
-    visibility = lit ? 1.0 : clamp(sum / whole, 0.0, 1.0);
+    visibility = lit || outside ? 1.0 : clamp(total.x / total.y, 0.0, 1.0);
 #endif
 }

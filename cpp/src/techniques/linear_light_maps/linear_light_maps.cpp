@@ -17,6 +17,9 @@ constexpr const char* kDepths = "depth maps";
 constexpr const char* kSurfaces = "receiver depth maps";
 constexpr const char* kSkins = "skins";
 constexpr const char* kLookups = "lookups";
+constexpr const char* kPlacement = "sample placement";
+constexpr const char* kRest = "maps beyond the windows";
+constexpr const char* kReadBack = "read back";
 constexpr int kMostSamples = 17;
 
 std::vector<SettingInfo> linear_settings() {
@@ -57,6 +60,17 @@ std::vector<SettingInfo> linear_settings() {
     settings.push_back(toggle_setting("clamp", "Clamp", "A segment counts 1 at most; off as published.", true));
     settings.push_back(toggle_setting(
         "rim_rule", "Rim rule", "Entries of a surface well behind the point do not darken it: rims stay lit.", true));
+    settings.push_back(toggle_setting("adaptive", "Adaptive samples",
+                                      "Halves segments that two samples cannot serve, from maps read back.", false));
+    settings.push_back(number_setting("max_samples", "Most samples", "maps", "On each line, with adaptive samples.", 9,
+                                      2, kMostSamples));
+    settings.push_back(choice_setting("weights", "Weights",
+                                      "visibility: the share of the light that is seen; irradiance: the share of it "
+                                      "that arrives, by each sample's local illumination.",
+                                      {"visibility", "irradiance"}));
+    settings.push_back(choice_setting("engine", "Engine",
+                                      "gl; software: depth maps read back, all else in float64 on the processor.",
+                                      {"gl", "software"}));
     return settings;
 }
 
@@ -139,6 +153,7 @@ const TechniqueInfo& LinearLightMaps::description() {
 
 LinearLightMaps::LinearLightMaps(const Settings& settings)
     : samples_{get_int(settings, "samples")},
+      most_samples_{get_bool(settings, "adaptive") ? get_int(settings, "max_samples") : 0},
       strips_{get_int(settings, "lines")},
       layout_{layout_from(settings)},
       size_px_{get_int(settings, "map_size")},
@@ -146,6 +161,8 @@ LinearLightMaps::LinearLightMaps(const Settings& settings)
       facing_test_{get_bool(settings, "facing_test")},
       clamp_{get_bool(settings, "clamp")},
       rim_rule_{get_bool(settings, "rim_rule")},
+      local_{get_choice(settings, "weights") == "irradiance"},
+      software_{get_choice(settings, "engine") == "software"},
       rules_{rules_from(settings)},
       skins_{rules_} {}
 
@@ -153,22 +170,27 @@ Verdict LinearLightMaps::supports(const Light& /*light*/) const {
     return {};
 }
 
-std::vector<LinearLightMaps::Rod> LinearLightMaps::fit_rods(const LightSummary& summary) const {
+std::vector<LinearRod> LinearLightMaps::segments_of(const LightSummary& summary, const glm::dvec3& middle_cr) const {
     const Light& light = *summary.light;
-    const glm::dvec3 middle_cr = middle_of_receivers(summary);
-    const glm::dvec3 aim_ws = summary.eye_ws + middle_cr;
     RodSurroundings surroundings;
     if (!summary.receiver_points_cr.empty() && round_without_axes(light.kind)) {
         surroundings.towards_ws = (summary.eye_ws - light.position_ws) + middle_cr;
         surroundings.upright_ws = upright_of(summary, middle_cr);
     }
+    return linear_rods(light, layout_, strips_, surroundings);
+}
+
+std::vector<LinearLightMaps::Rod> LinearLightMaps::fit_rods(const LightSummary& summary,
+                                                            const std::vector<std::vector<double>>& places) const {
+    const glm::dvec3 middle_cr = middle_of_receivers(summary);
     std::vector<Rod> rods;
     int layer = 0;
-    for (const LinearRod& segment : linear_rods(light, layout_, strips_, surroundings)) {
+    for (const LinearRod& segment : segments_of(summary, middle_cr)) {
         Rod rod;
         rod.segment = segment;
-        rod.views =
-            fit_linear_views(summary, segment, even_places(summary.has_extent ? samples_ : 1), aim_ws, size_px_);
+        rod.views = fit_linear_views(
+            summary, segment, places.empty() ? even_places(summary.has_extent ? samples_ : 1) : places[rods.size()],
+            summary.eye_ws + middle_cr, size_px_);
         rod.first_layer = layer;
         layer += rod.layers();
         rods.push_back(std::move(rod));
@@ -206,10 +228,20 @@ Plan LinearLightMaps::plan(const LightSummary& summary) const {
         return plan;
     }
     const std::vector<Rod> rods = fit_rods(summary);
+    if (most_samples_ > 0 && summary.has_extent) {
+        plan.run(kPlacement);
+    }
     plan.run(kDepths);
     std::size_t windows_without_receivers = 0;
     for (const Rod& rod : rods) {
         windows_without_receivers += rod.views.windows_without_receivers.size();
+    }
+    const bool rest = std::ranges::any_of(rods, [](const Rod& rod) { return !rod.views.outside_cr.empty(); });
+    if (rest) {
+        plan.run(kRest);
+    } else if (!summary.keep_everything) {
+        plan.leave_out(kRest, "cube-face-without-receivers",
+                       "no visible receiver lies close to the line through one of the light's lines");
     }
     if (windows_without_receivers > 0) {
         plan.leave_out("windows without receivers", "cube-face-without-receivers",
@@ -234,17 +266,28 @@ Plan LinearLightMaps::plan(const LightSummary& summary) const {
             plan.leave_out(kSurfaces, "every-receiver-casts",
                            "every visible receiver is among the casters, so their maps hold it");
         }
-        plan.run(kSkins);
+        plan.run(software_ ? kReadBack : kSkins);
+    }
+    if (software_ && !plan.runs(kReadBack)) {
+        plan.run(kReadBack);
     }
     plan.run(kLookups);
     return plan;
 }
 
 void LinearLightMaps::allocate(Frame& frame) {
-    rods_ = fit_rods(frame.summary());
     int layers = 0;
     for (const Rod& rod : rods_) {
         layers += rod.layers();
+    }
+    rest_.clear();
+    for (const Rod& rod : rods_) {
+        rest_.add(frame.summary(), rod.views, rod.segment.weight, frame.light().direction_ws, size_px_);
+    }
+    if (sums_needed() && (!sums_ || sums_.width() != frame.view().width || sums_.height() != frame.view().height)) {
+        sums_ = TextureImage::make_2d(GL_RG32F, frame.view().width, frame.view().height, "linear light sums");
+        sums_target_ = RenderTarget{"linear light sums"};
+        sums_target_.attach_colour(0, sums_);
     }
     if (layers == 0) {
         return;
@@ -253,59 +296,80 @@ void LinearLightMaps::allocate(Frame& frame) {
     if (frame.plan().runs(kSurfaces)) {
         surface_maps_.allocate(size_px_, layers, "receiver maps of linear lights");
     }
-    skins_.allocate(size_px_, layers);
-    if (rods_.size() > 1 && (!sums_ || sums_.width() != frame.view().width || sums_.height() != frame.view().height)) {
-        sums_ = TextureImage::make_2d(GL_RG32F, frame.view().width, frame.view().height, "linear light sums");
-        sums_target_ = RenderTarget{"linear light sums"};
-        sums_target_.attach_colour(0, sums_);
+    if (!software_) {
+        skins_.allocate(size_px_, layers);
     }
 }
 
 void LinearLightMaps::prepare(Frame& frame) {
     if (frame.plan().runs(kLookups)) {
+        rods_ = fit_rods(frame.summary());
         allocate(frame);
     }
 }
 
-void LinearLightMaps::render_depths(Frame& frame, DepthMap& maps, bool surfaces) {
+const DepthMap& LinearLightMaps::surfaces(const Frame& frame) const {
+    return frame.plan().runs(kSurfaces) ? surface_maps_ : maps_;
+}
+
+void LinearLightMaps::draw_skins(Frame& frame) {
     for (const Rod& rod : rods_) {
-        for (int sample = 0; sample < rod.views.samples(); ++sample) {
-            frame.control().check();
-            const MapFrustum frustum = rod.views.frustum_of(sample);
-            setup_.bind_for_depth(
-                frame.gpu_scene(), frustum,
-                make_map_block(frustum, frame.light(), rod.segment.centre_ws, frame.summary().eye_ws, size_px_));
-            for (std::size_t window = 0; window < frustum.faces.size(); ++window) {
-                const auto instances = surfaces
-                                           ? rod.views.windows[window].skin_casters[static_cast<std::size_t>(sample)]
-                                           : casters_in(frame.summary(), frustum.faces[window]);
-                maps.render(frame, frame.gpu_scene(), instances, window,
-                            rod.first_layer + static_cast<int>(window) * rod.views.samples() + sample, Cull::None);
-            }
-        }
+        skins_.draw(frame, rod.views, surfaces(frame).texture(), rod.first_layer);
     }
+}
+
+void LinearLightMaps::place_samples(Frame& frame) {
+    const LightSummary& summary = frame.summary();
+    const glm::dvec3 middle_cr = middle_of_receivers(summary);
+    std::vector<std::vector<double>> places;
+    undersampled_ = 0.0;
+    for (const LinearRod& segment : segments_of(summary, middle_cr)) {
+        const SamplePlacement::Result found =
+            placement_.find(frame, segment, summary.eye_ws + middle_cr, even_places(samples_),
+                            std::max(samples_, most_samples_), size_px_, rules_);
+        undersampled_ += segment.weight * found.undersampled;
+        places.push_back(found.places);
+    }
+    rods_ = fit_rods(summary, places);
 }
 
 void LinearLightMaps::update(Frame& frame) {
     if (!frame.plan().runs(kLookups)) {
         return;
     }
+    frame.step(kPlacement, [&] { place_samples(frame); });
     frame.step(kDepths, [&] {
+        if (!frame.plan().runs(kPlacement)) {
+            rods_ = fit_rods(frame.summary());
+        }
         allocate(frame);
-        render_depths(frame, maps_, false);
-    });
-    frame.step(kSurfaces, [&] { render_depths(frame, surface_maps_, true); });
-    const DepthMap& surfaces = frame.plan().runs(kSurfaces) ? surface_maps_ : maps_;
-    frame.step(kSkins, [&] {
         for (const Rod& rod : rods_) {
-            skins_.draw(frame, rod.views, surfaces.texture(), rod.first_layer);
+            render_linear_depths(frame, maps_, setup_, rod.views, rod.segment.centre_ws, rod.first_layer, size_px_,
+                                 false);
         }
     });
-    if (!frame.plan().runs(kSkins)) {
+    frame.step(kSurfaces, [&] {
+        for (const Rod& rod : rods_) {
+            render_linear_depths(frame, surface_maps_, setup_, rod.views, rod.segment.centre_ws, rod.first_layer,
+                                 size_px_, true);
+        }
+    });
+    frame.step(kRest, [&] { rest_.render(frame, size_px_); });
+    frame.step(kSkins, [&] { draw_skins(frame); });
+    if (!software_ && !frame.plan().runs(kSkins)) {
         for (const Rod& rod : rods_) {
             skins_.clear(rod.first_layer, rod.layers());
         }
     }
+    frame.step(kReadBack, [&] {
+        engine_.clear();
+        if (maps_.texture()) {
+            const std::vector<float> stored = maps_.texture().read<float>();
+            for (const Rod& rod : rods_) {
+                engine_.add(rod.views, rod.segment.weight, rules_, stored, rod.first_layer, size_px_);
+            }
+        }
+    });
 }
 
 const Program& LinearLightMaps::combination(Frame& frame, const Rod& rod) const {
@@ -316,25 +380,35 @@ const Program& LinearLightMaps::combination(Frame& frame, const Rod& rod) const 
     defines.push_back({"CONFLICT_MIN", rules_.darkest ? "1" : "0"});
     defines.push_back({"RIM", rim_rule_ ? "1" : "0"});
     defines.push_back({"CLAMP", clamp_ ? "1" : "0"});
-    defines.push_back({"SUM", rods_.size() > 1 ? "1" : "0"});
+    defines.push_back({"SUM", sums_needed() ? "1" : "0"});
+    if (local_) {
+        const LightKind kind = frame.light().kind;
+        defines.push_back({"LOCAL", kind == LightKind::Line                               ? "1"
+                                    : kind == LightKind::Sun                              ? "4"
+                                    : kind == LightKind::Point || kind == LightKind::Spot ? "3"
+                                                                                          : "2"});
+    } else {
+        defines.push_back({"LOCAL", "0"});
+    }
     return frame.device().programs.get({"lib/fullscreen.vert", "techniques/linear_light_maps/combine.frag"}, defines);
 }
 
 void LinearLightMaps::combine(Frame& frame, const Rod& rod) {
     const LinearViews& views = rod.views;
+    if (views.windows.empty()) {  // all of its receivers lie beyond
+        return;
+    }
     setup_.bind_for_lookup(
         make_map_block(views.central(), frame.light(), rod.segment.centre_ws, frame.summary().eye_ws, size_px_));
     const Program& program = combination(frame, rod);
     bias_.set_uniforms(program);
     const auto samples = static_cast<std::size_t>(views.samples());
     std::vector<glm::vec4> shifts;
-    std::vector<glm::vec4> windows;
     double widest_texel = 0.0;
     for (std::size_t window = 0; window < views.windows.size(); ++window) {
         for (int sample = 0; sample < views.samples(); ++sample) {
             shifts.emplace_back(glm::vec2{views.shift_from_central(window, sample)}, 0.0F, 0.0F);
         }
-        windows.emplace_back(glm::vec2{views.reach(window)}, 0.0F, 0.0F);
         const glm::dvec2 step = views.windows[window].step;
         widest_texel = std::max({widest_texel, step.x, step.y});
     }
@@ -350,50 +424,114 @@ void LinearLightMaps::combine(Frame& frame, const Rod& rod) {
     program.set("first_layer", rod.first_layer);
     program.set("views", std::span<const glm::vec4>{shifts});
     program.set("places", std::span<const glm::vec4>{places});
-    program.set("windows", std::span<const glm::vec4>{windows});
     // Beyond the depth that a tilted receiver spans in a texel: some 16 texels' width.
     program.set("rim", static_cast<float>(views.orthographic ? 16.0 * widest_texel : 3e-2));
-    program.set("weight", static_cast<float>(rod.segment.weight));
+    if (sums_needed()) {
+        program.set("weight", static_cast<float>(rod.segment.weight));
+    }
+    if (!views.in_one_window) {
+        set_windows(program, views);
+    }
+    if (local_ && !views.orthographic) {
+        program.set("shine_ws",
+                    glm::vec3{frame.light().kind == LightKind::Line ? views.u_ws : frame.light().direction_ws});
+    }
     maps_.texture().bind(2);
     skins_.channels().bind(3);
     if (frame.plan().runs(kSurfaces)) {
         surface_maps_.texture().bind(4);
     }
     frame.bind_view();
-    if (rods_.size() == 1) {
+    if (!sums_needed()) {
         frame.write_visibility_with(program);
     } else {
         frame.fullscreen().draw(sums_target_, program);
     }
 }
 
-void LinearLightMaps::resolve(Frame& frame) {
-    frame.step(kLookups, [&] {
-        if (std::ranges::any_of(rods_, [](const Rod& rod) { return rod.views.windows.empty(); })) {
-            std::ranges::fill(frame.visibility_on_cpu(), 1.0F);  // nothing is seen
-            return;
-        }
-        if (rods_.size() == 1) {
-            combine(frame, rods_.front());
-            return;
-        }
-        sums_target_.bind();
-        sums_target_.clear_colour(0, glm::vec4{0.0F});
-        glEnable(GL_BLEND);
-        glBlendEquation(GL_FUNC_ADD);
-        glBlendFunc(GL_ONE, GL_ONE);
+void LinearLightMaps::accumulate(Frame& frame) {
+    sums_target_.bind();
+    sums_target_.clear_colour(0, glm::vec4{0.0F});
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE);
+    if (!software_) {
         for (const Rod& rod : rods_) {
             combine(frame, rod);
         }
-        glDisable(GL_BLEND);
-        sums_.bind(0);
-        frame.write_visibility_with(
-            frame.device().programs.get({"lib/fullscreen.vert", "techniques/linear_light_maps/divide.frag"}));
+    }
+    rest_.accumulate(frame, sums_target_, bias_, facing_test_);
+    glDisable(GL_BLEND);
+}
+
+LinearLookup LinearLightMaps::software_lookup() const {
+    LinearLookup lookup;
+    lookup.bias_px = bias_.mode == MapBias::Mode::None ? 0.0 : static_cast<double>(bias_.constant);
+    lookup.slope_cap_px = bias_.mode == MapBias::Mode::None || bias_.mode == MapBias::Mode::Constant
+                              ? 0.0
+                              : static_cast<double>(bias_.slope_cap);
+    lookup.rim_rule = rim_rule_;
+    lookup.clamp = clamp_;
+    lookup.facing_test = facing_test_;
+    return lookup;
+}
+
+void LinearLightMaps::resolve_in_software(Frame& frame) {
+    std::vector<glm::vec2> rest;
+    if (!rest_.empty()) {
+        accumulate(frame);
+        rest = sums_.read<glm::vec2>();
+    }
+    LinearLookup lookup = software_lookup();
+    const Light& light = frame.light();
+    if (light.kind == LightKind::Sun) {
+        lookup.parallel = true;
+        double widest = 0.0;
+        for (const Rod& rod : rods_) {
+            const glm::dvec2 step = rod.views.windows.front().step;
+            widest = std::max({widest, step.x, step.y});
+        }
+        lookup.rim = 16.0 * widest;
+    }
+    SoftwareEngine::Local local;
+    if (local_) {
+        local = [&light](const glm::dvec3& sample_ws, const glm::dvec3& along_ws, const glm::dvec3& p_ws,
+                         const glm::dvec3& n_ws) {
+            if (light.kind == LightKind::Sun) {
+                return std::max(0.0, -glm::dot(n_ws, light.direction_ws));
+            }
+            const glm::dvec3 to = sample_ws - p_ws;
+            const double distance = glm::length(to);
+            const double cosine = std::max(0.0, glm::dot(n_ws, to)) / distance;
+            const double shine = light.kind == LightKind::Line    ? glm::length(glm::cross(to, along_ws))
+                                 : round_without_axes(light.kind) ? distance
+                                                                  : std::max(0.0, -glm::dot(light.direction_ws, to));
+            return cosine * shine / (distance * distance * distance);
+        };
+    }
+    engine_.resolve(frame, lookup, local, rest, frame.visibility_on_cpu());
+}
+
+void LinearLightMaps::resolve(Frame& frame) {
+    frame.step(kLookups, [&] {
+        if (std::ranges::all_of(rods_, [](const Rod& rod) { return rod.views.windows.empty(); }) && rest_.empty()) {
+            std::ranges::fill(frame.visibility_on_cpu(), 1.0F);  // nothing is seen
+        } else if (software_) {
+            resolve_in_software(frame);
+        } else if (!sums_needed()) {
+            combine(frame, rods_.front());
+        } else {
+            accumulate(frame);
+            sums_.bind(0);
+            frame.write_visibility_with(
+                frame.device().programs.get({"lib/fullscreen.vert", "techniques/linear_light_maps/divide.frag"}));
+        }
     });
 }
 
 std::size_t LinearLightMaps::memory_bytes() const noexcept {
-    return maps_.bytes() + surface_maps_.bytes() + skins_.bytes() + (sums_ ? sums_.bytes() : 0);
+    return maps_.bytes() + surface_maps_.bytes() + skins_.bytes() + rest_.bytes() + placement_.bytes() +
+           (sums_ ? sums_.bytes() : 0);
 }
 
 }  // namespace penumbra

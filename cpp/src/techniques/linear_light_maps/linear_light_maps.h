@@ -5,8 +5,11 @@
 #include "passes/depth_map.h"
 #include "passes/map_bias.h"
 #include "penumbra/technique.h"
+#include "techniques/linear_light_maps/hard_rest.h"
 #include "techniques/linear_light_maps/linear_views.h"
+#include "techniques/linear_light_maps/sample_placement.h"
 #include "techniques/linear_light_maps/skin_pass.h"
+#include "techniques/linear_light_maps/software_engine.h"
 
 namespace penumbra {
 
@@ -31,6 +34,9 @@ public:
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
     [[nodiscard]] std::size_t memory_bytes() const noexcept override;
+    [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
+    [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
+    [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
 
 private:
     /// One linear light at work.
@@ -40,26 +46,40 @@ private:
         int first_layer = 0;
         [[nodiscard]] int layers() const noexcept { return views.samples() * static_cast<int>(views.windows.size()); }
     };
-    [[nodiscard]] std::vector<Rod> fit_rods(const LightSummary& summary) const;
+    /// @param places  of each rod's samples; evenly where there are none
+    [[nodiscard]] std::vector<Rod> fit_rods(const LightSummary& summary,
+                                            const std::vector<std::vector<double>>& places = {}) const;
+    [[nodiscard]] std::vector<LinearRod> segments_of(const LightSummary& summary, const glm::dvec3& middle_cr) const;
     [[nodiscard]] bool needs_surface_map(const LightSummary& summary) const noexcept;
     [[nodiscard]] std::string no_skins(const LightSummary& summary, const std::vector<Rod>& rods) const;
     void allocate(Frame& frame);
-    void render_depths(Frame& frame, DepthMap& maps, bool surfaces);
+    void place_samples(Frame& frame);
+    void draw_skins(Frame& frame);
+    [[nodiscard]] const DepthMap& surfaces(const Frame& frame) const;
+    [[nodiscard]] bool sums_needed() const noexcept { return rods_.size() > 1 || !rest_.empty(); }
     [[nodiscard]] const Program& combination(Frame& frame, const Rod& rod) const;
     void combine(Frame& frame, const Rod& rod);
+    void accumulate(Frame& frame);
+    void resolve_in_software(Frame& frame);
+    [[nodiscard]] LinearLookup software_lookup() const;
 
     int samples_;
+    int most_samples_;  ///< 0: samples are not added
     int strips_;
     RodLayout layout_;
     int size_px_;
     MapBias bias_;
-    bool facing_test_, clamp_, rim_rule_;
+    bool facing_test_, clamp_, rim_rule_, local_, software_;
     SkinRules rules_;
 
     std::vector<Rod> rods_;
     DepthMap maps_, surface_maps_;
     MapSetup setup_;
     SkinPass skins_;
+    SamplePlacement placement_;
+    HardRest rest_;
+    SoftwareEngine engine_;
+    double undersampled_ = 0.0;
     TextureImage sums_;
     RenderTarget sums_target_;
 };

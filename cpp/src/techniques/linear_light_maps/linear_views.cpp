@@ -13,8 +13,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A single window this wide across the rod, else four around it; the limit of the fitted frustum of other maps.
 const double kWidestAcross = std::tan(55.0 * std::numbers::pi / 180.0);
-// Along the rod windows may reach this far out; what lies closer to the rod's own line, beyond its ends, is outside.
-constexpr double kWidestAlong = 8.0;
 // Texels kept free around what must be seen: the widest filter reaches two.
 constexpr double kMargin_px = 4.0;
 // Room for skins may make a window so much wider than its receivers, and no more: what stands close to the rod has
@@ -265,8 +263,64 @@ glm::dvec2 LinearViews::shift_between(std::size_t window, int from, int to) cons
     return glm::dvec2{along[a] - along[b], w.low_u[a] - w.low_u[b]} / w.step.x;
 }
 
-glm::dvec2 LinearViews::reach(std::size_t /*window*/) const {
-    return {in_one_window ? kWidestAcross : 1.0, kWidestAlong};
+std::optional<std::size_t> LinearViews::window_of(const glm::dvec3& p_ws) const {
+    if (in_one_window) {
+        return 0;
+    }
+    const double v = glm::dot(p_ws, v_ws);
+    const double f = glm::dot(p_ws, f_ws);
+    const double u = glm::dot(p_ws, u_ws);
+    const bool along_f = std::abs(f) >= std::abs(v);
+    const std::size_t towards = along_f ? (f >= 0.0 ? 0 : 2) : (v >= 0.0 ? 1 : 3);
+    const double z = std::max(std::abs(f), std::abs(v));
+    const int window = window_towards[towards];
+    if (window < 0 || std::max(u - along.front(), along.back() - u) > kWidestAlong * z) {
+        return std::nullopt;
+    }
+    return static_cast<std::size_t>(window);
+}
+
+LinearPoint LinearViews::point_in(std::size_t window, const glm::dvec3& p_ws, const glm::dvec3& n_ws) const {
+    const MapFace& face = windows[window].common();
+    const glm::dmat3 rows = glm::transpose(face.ls_from_world);
+    const glm::dvec3 p{glm::dot(u_ws, p_ws), glm::dot(rows[1], p_ws), glm::dot(rows[2], p_ws)};
+    const glm::dvec3 n{glm::dot(u_ws, n_ws), glm::dot(rows[1], n_ws), glm::dot(rows[2], n_ws)};
+    LinearPoint point;
+    point.has_plane = true;
+    point.normal_uv = {n.x, n.y};
+    if (orthographic) {
+        point.uv = {p.x, p.y};
+        point.d = face.far_m - p.z;
+        point.towards = -n.z;
+    } else {
+        point.uv = {p.x / p.z, p.y / p.z};
+        point.d = 1.0 / p.z;
+        point.towards = -glm::dot(n, p);
+    }
+    return point;
+}
+
+std::vector<LinearMap> linear_maps(const LinearViews& views, std::size_t window, std::span<const float> stored,
+                                   int first_layer, int size_px) {
+    const LinearWindow& seen = views.windows[window];
+    const double d_per_stored = 1.0 / views.stored_per_d(window);
+    const auto texels = static_cast<std::size_t>(size_px) * static_cast<std::size_t>(size_px);
+    std::vector<LinearMap> maps;
+    for (int sample = 0; sample < views.samples(); ++sample) {
+        const auto k = static_cast<std::size_t>(sample);
+        LinearMap map;
+        map.width_px = map.height_px = size_px;
+        map.along = views.along[k];
+        map.low = {seen.low_u[k], seen.common().low.y};
+        map.step = seen.step;
+        const std::size_t layer = static_cast<std::size_t>(first_layer) + window * views.along.size() + k;
+        const std::span<const float> own = stored.subspan(layer * texels, texels);
+        map.d.resize(texels);
+        std::ranges::transform(own, map.d.begin(),
+                               [&](float value) { return d_per_stored * static_cast<double>(value); });
+        maps.push_back(std::move(map));
+    }
+    return maps;
 }
 
 double LinearViews::stored_per_d(std::size_t window) const {
@@ -317,6 +371,8 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
     }
     sectors.v = glm::cross(sectors.f, sectors.u);
     views.u_ws = sectors.u;
+    views.v_ws = sectors.v;
+    views.f_ws = sectors.f;
 
     std::vector<Seen> seen(4, Seen{places.size()});
     const auto corners = [&](const ReceiverTile& tile) {
@@ -344,11 +400,16 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
         }
         for (std::uint32_t k = 0; !done && k < tile.pixel_count; ++k) {
             const glm::dvec3 p = glm::dvec3{summary.receiver_points_cr[tile.first_pixel + k]} + around.eye_from_origin;
+            bool found = false;
             for (int i = 0; i < (one ? 1 : 4); ++i) {
                 if (one || sectors.inside(i, p, 1.0)) {
                     sectors.add(i, p, seen[static_cast<std::size_t>(i)]);
+                    found = true;
                     break;
                 }
+            }
+            if (!found) {
+                views.outside_cr.push_back(summary.receiver_points_cr[tile.first_pixel + k]);
             }
         }
     }
@@ -357,6 +418,7 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
         if (in.empty() && !summary.keep_everything) {
             views.windows_without_receivers.emplace_back(kWindowNames[static_cast<std::size_t>(i)]);
         } else {
+            views.window_towards[static_cast<std::size_t>(i)] = static_cast<int>(views.windows.size());
             views.windows.push_back(make_window(around, sectors, i, in, size_px));
         }
     }

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "geometry/linear_light.h"
 #include "geometry/linear_rods.h"
 #include "passes/light_summary.h"
 #include "passes/map_frustum.h"
@@ -25,12 +29,15 @@ struct LinearWindow {
 /// rod.
 struct LinearViews {
     glm::dvec3 origin_ws{0.0};
-    glm::dvec3 u_ws{1.0, 0.0, 0.0};  ///< unit, along the rod
+    glm::dvec3 u_ws{1.0, 0.0, 0.0};                       ///< unit, along the rod
+    glm::dvec3 v_ws{0.0, 1.0, 0.0}, f_ws{0.0, 0.0, 1.0};  ///< of the first window
     bool orthographic = false;
     bool in_one_window = false;  ///< all receivers are inside of the first
     std::vector<double> along;   ///< per sample, ascending: metres from the centre along u; sun: minus the slope
     std::vector<LinearWindow> windows;
     std::vector<std::string> windows_without_receivers;
+    std::array<int, 4> window_towards{-1, -1, -1, -1};  ///< index of the one that looks along f, v, -f, -v; -1: none
+    std::vector<glm::vec3> outside_cr;                  ///< receivers in no window: too close to the rod's own line
 
     [[nodiscard]] int samples() const noexcept { return static_cast<int>(along.size()); }
     [[nodiscard]] glm::dvec3 eye_ws(int sample) const {
@@ -44,11 +51,21 @@ struct LinearViews {
     [[nodiscard]] glm::dvec2 shift_from_central(std::size_t window, int sample) const;
     /// Texel in `to` minus texel in `from`: x * d + y.
     [[nodiscard]] glm::dvec2 shift_between(std::size_t window, int from, int to) const;
-    /// A point belongs to a window up to this |v| / z, and up to this distance from the samples along u / z.
-    [[nodiscard]] glm::dvec2 reach(std::size_t window) const;
+    /// The window that a point belongs to (lib function find_window() of linear_windows.glsl).
+    /// @param p_ws relative to origin_ws
+    [[nodiscard]] std::optional<std::size_t> window_of(const glm::dvec3& p_ws) const;
+    /// The point as a window's lookups see it.
+    [[nodiscard]] LinearPoint point_in(std::size_t window, const glm::dvec3& p_ws, const glm::dvec3& n_ws) const;
     /// Factor from d to the stored depth.
     [[nodiscard]] double stored_per_d(std::size_t window) const;
 };
+
+/// Along the rod windows reach this far out, in depths: 75 degrees.
+inline constexpr double kWidestAlong = 3.75;
+
+/// The samples' maps of one window in float64. @param stored  all layers of the depth array
+[[nodiscard]] std::vector<LinearMap> linear_maps(const LinearViews& views, std::size_t window,
+                                                 std::span<const float> stored, int first_layer, int size_px);
 
 /// `count` places from end to end of a rod, -1 .. 1; 0 alone for one.
 [[nodiscard]] std::vector<double> even_places(int count);
