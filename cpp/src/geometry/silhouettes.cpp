@@ -134,6 +134,12 @@ int facing_in(const Mesh& mesh, std::size_t t, const glm::dvec4& light) {
                      glm::dvec3{mesh.positions_local[v.z]}, light);
 }
 
+void prefetch([[maybe_unused]] const void* address) noexcept {
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#endif
+}
+
 /// @return false if one of them came too near to edge-on for its sign to be sure; that one is 0
 bool decide_by_planes(const float* nx, const float* ny, const float* nz, const float* d, std::size_t count,
                       glm::vec4 light, std::int8_t* facing) {
@@ -222,11 +228,17 @@ FlatSilhouettes::FlatSilhouettes(const Mesh& mesh, const Adjacency& adjacency) :
         d_.push_back(plane.w);
     }
     facing_.resize(mesh.triangles.size() + 1, 0);
-    const auto silent = static_cast<std::uint32_t>(2 * mesh.triangles.size());
+    const auto silent = static_cast<std::uint32_t>(8 * mesh.triangles.size());
+    const auto side_in = [&](std::uint32_t side, std::uint32_t e) {
+        const glm::uvec3& edges = adjacency.triangle_edges[side / 2];
+        const std::uint32_t k = edges.x == e ? 0U : (edges.y == e ? 1U : 2U);
+        return 8 * (side / 2) + 2 * k + (side & 1U);
+    };
     sides_.reserve(adjacency.edges.size());
-    for (const Adjacency::Edge& edge : adjacency.edges) {
+    for (std::uint32_t e = 0; e < adjacency.edges.size(); ++e) {
+        const Adjacency::Edge& edge = adjacency.edges[e];
         const bool two = (edge.side1 & Adjacency::kMany) == 0;  // kNone has the bit as well
-        sides_.push_back(two ? glm::uvec2{edge.side0, edge.side1} : glm::uvec2{silent});
+        sides_.push_back(two ? glm::uvec2{side_in(edge.side0, e), side_in(edge.side1, e)} : glm::uvec2{silent});
     }
     find_turns();
 }
@@ -253,11 +265,9 @@ void FlatSilhouettes::find_turns() {
     }
 }
 
-bool FlatSilhouettes::arriving(std::uint32_t edge, std::uint32_t a, std::uint32_t triangle, bool a_first,
-                               std::uint32_t& z) const {
-    const glm::uvec3& edges = adjacency_->triangle_edges[triangle];
-    std::uint32_t h = 4 * triangle + (edges.x == edge ? 0U : (edges.y == edge ? 1U : 2U));
-    const std::int8_t facing = facing_[triangle];
+bool FlatSilhouettes::arriving(std::uint32_t from, std::uint32_t a, bool a_first, std::uint32_t& z) const {
+    std::uint32_t h = from;
+    const std::int8_t facing = facing_[h >> 2U];
     // Two bits for each k: the other edge at the corner a, which stays first, or second, in all triangles of the fan.
     const std::uint32_t turn = a_first ? 0b01'00'10U : 0b00'10'01U;
     for (int step = 0; step < kMostFanSteps; ++step) {
@@ -322,13 +332,17 @@ void FlatSilhouettes::find(const glm::dvec4& light_local, bool mirrored, EdgeCho
             const glm::uvec2 s = sides_[e];
             const int same_way = static_cast<int>((s.x ^ s.y ^ 1U) & 1U);
             kept[count] = static_cast<std::uint32_t>(e);
-            count += facing[s.x >> 1U] * facing[s.y >> 1U] != 1 - 2 * same_way ? 1 : 0;
+            count += facing[s.x >> 3U] * facing[s.y >> 3U] != 1 - 2 * same_way ? 1 : 0;
         }
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t e = kept[i];
             const glm::uvec2 s = sides_[e];
-            const int vote0 = (s.x & 1U) != 0 ? -facing[s.x >> 1U] : facing[s.x >> 1U];
-            const int vote1 = (s.y & 1U) != 0 ? -facing[s.y >> 1U] : facing[s.y >> 1U];
+            // What a walk reads first, a few walks ahead: they are short, and wait for memory more than they compute.
+            const glm::uvec2 soon = sides_[kept[std::min(i + 6, count - 1)]];
+            prefetch(across_.data() + std::min<std::size_t>(soon.x >> 1U, across_.size() - 1));
+            prefetch(across_.data() + std::min<std::size_t>(soon.y >> 1U, across_.size() - 1));
+            const int vote0 = (s.x & 1U) != 0 ? -facing[s.x >> 3U] : facing[s.x >> 3U];
+            const int vote1 = (s.y & 1U) != 0 ? -facing[s.y >> 3U] : facing[s.y >> 3U];
             if (vote0 == 0 && vote1 == 0) {
                 outline.add_if_silhouette(e, out);
                 continue;
@@ -338,10 +352,10 @@ void FlatSilhouettes::find(const glm::dvec4& light_local, bool mirrored, EdgeCho
             const Adjacency::Edge& edge = adjacency_->edges[e];
             const std::uint32_t a = left != mirrored ? edge.v0 : edge.v1;
             const std::uint32_t b = left != mirrored ? edge.v1 : edge.v0;
-            const bool second = vote0 == 0 || (vote1 != 0 && facing[s.x >> 1U] < 0 && facing[s.y >> 1U] > 0);
+            const bool second = vote0 == 0 || (vote1 != 0 && facing[s.x >> 3U] < 0 && facing[s.y >> 3U] > 0);
             const std::uint32_t side = second ? s.y : s.x;
             std::uint32_t z = a;
-            if (arriving(e, a, side >> 1U, (a == edge.v0) == ((side & 1U) == 0), z)) {
+            if (arriving(side >> 1U, a, (a == edge.v0) == ((side & 1U) == 0), z)) {
                 out.push_back({a, b, z});
             } else {
                 outline.add_if_silhouette(e, out);

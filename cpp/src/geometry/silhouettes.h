@@ -77,16 +77,15 @@ public:
 private:
     void decide_facings(const glm::dvec4& light_local);
     void find_turns();
-    /// The walk of `z` for an edge between two triangles. @return false: topology that the turns do not know
-    [[nodiscard]] bool arriving(std::uint32_t edge, std::uint32_t a, std::uint32_t triangle, bool a_first,
-                                std::uint32_t& z) const;
+    /// The walk of `z` from an edge of a triangle, 4 * triangle + k. @return false: topology that the turns do not know
+    [[nodiscard]] bool arriving(std::uint32_t from, std::uint32_t a, bool a_first, std::uint32_t& z) const;
 
     const Mesh* mesh_;
     const Adjacency* adjacency_;
     FacingFrame frame_;
     std::vector<float> nx_, ny_, nz_, d_;  ///< per triangle
     std::vector<std::uint32_t> across_;    ///< per triangle 4, for its edges: the same edge in the triangle beyond
-    std::vector<glm::uvec2> sides_;        ///< per edge; where it has not two triangles: the side that never votes
+    std::vector<glm::uvec2> sides_;        ///< per edge, 2 * (4 * triangle + k) + reversed; not two: one without vote
     std::vector<std::int8_t> facing_;      ///< per triangle; one more that never votes
 };
 
