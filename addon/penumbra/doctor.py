@@ -14,7 +14,6 @@ _REPORT_LIBRARIES = {
     "jinja2": "jinja2",
     "matplotlib": "matplotlib",
     "PIL": "pillow",
-    "OpenEXR": "OpenEXR",
     "flip_evaluator": "flip-evaluator",
     "rich": "rich",
 }

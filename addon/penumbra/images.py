@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from . import colours
-from .files import whole_file
+from . import colours, exr
+from .files import write_bytes
 from .records import Image, Mask
 
 Bytes = npt.NDArray[np.uint8]
@@ -33,14 +33,8 @@ def write_exr(path: Path, channels: Mapping[str, Image], attributes: Mapping[str
 
     @param channels each (height, width), by full channel name ("visibility", "normal.X")
     """
-    import OpenEXR
-
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **(attributes or {})}
-    pixels = {
-        name: np.ascontiguousarray(np.asarray(channel)[::-1], dtype=np.float32) for name, channel in channels.items()
-    }
-    with whole_file(path) as writable:
-        OpenEXR.File(header, pixels).write(str(writable))
+    pixels = {name: np.asarray(channel, np.float32)[::-1] for name, channel in channels.items()}
+    write_bytes(path, exr.encode(pixels, attributes))
 
 
 def layer(name: str, image: Image, components: str = "XYZ") -> dict[str, Image]:
