@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import time
 import weakref
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 from . import errors, picture, preferences, properties, viewport
 from .read import view_region
@@ -12,8 +13,20 @@ from .sync import SceneSync
 from .viewport_draw import Texture, draw_text
 
 
+@dataclass
+class Times:
+    """Seconds of the last time each was done."""
+
+    read: float = 0.0  # what changed in Blender's scene
+    core: float = 0.0  # a picture, on the viewport's own thread
+    upload: float = 0.0  # its pixels to Blender's device
+    draw: float = 0.0  # all that Blender waited for when it drew, upload included
+
+
 class ViewportEngine:
     """Lives as long as the engine of one viewport."""
+
+    alive: ClassVar[weakref.WeakSet[ViewportEngine]] = weakref.WeakSet()  # for measuring
 
     def __init__(self, engine: Any) -> None:
         # The viewport's thread must not keep Blender's engine alive, nor speak to one that is gone.
@@ -31,22 +44,29 @@ class ViewportEngine:
         self._revision = 0
         self._asked: Any = None
         self._readable = False
+        self.times = Times()
+        self.pictures = 0  # put up so far
+        self.alive.add(self)
 
     def update(self, context: Any, depsgraph: Any) -> None:
+        started = time.perf_counter()
         try:
             preferences.apply()
             self._sync.update(depsgraph)
             self._readable = True
+            self.times.read = time.perf_counter() - started
         except Exception as error:
             self._readable = False
             self._viewport.tell_problem(errors.sentence_of(error))
         self._revision += 1
 
     def draw(self, context: Any, depsgraph: Any) -> None:
+        started = time.perf_counter()
         seen = view_region.seen_part(context)
         if self._readable and seen is not None:
             self._ask(context, seen)
         self._put_up(context, seen)
+        self.times.draw = time.perf_counter() - started
 
     def close(self) -> None:
         self._viewport.close()
@@ -92,7 +112,11 @@ class ViewportEngine:
     def _put_up(self, context: Any, seen: view_region.SeenPart | None) -> None:
         shown, problem = self._viewport.shown, self._viewport.problem
         if shown is not None and seen is not None:
-            self._texture.update(shown.number, shown.pixels)
+            started = time.perf_counter()
+            if self._texture.update(shown.number, shown.pixels):
+                self.times.upload = time.perf_counter() - started
+                self.times.core = shown.seconds
+                self.pictures += 1
             self._texture.draw(seen.box)
         if problem:
             draw_text([f"Penumbra: {problem}"], 20.0, context.region.height / 2.0, alarm=True)

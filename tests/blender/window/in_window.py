@@ -45,3 +45,11 @@ def play(*steps: Step, pause_s: float = 1.0) -> None:
 def take_picture(name: str) -> None:
     """What the X server shows. Blender's own screenshot operator gives a black one here."""
     subprocess.run(["import", "-window", "root", str(OUT / name)], check=True, timeout=60)
+
+
+def viewport_of() -> tuple[Any, Any, Any]:
+    """Area, space and view of the first 3D viewport."""
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        if area.type == "VIEW_3D":
+            return area, area.spaces.active, area.spaces.active.region_3d
+    raise LookupError("no 3D viewport")

@@ -1,0 +1,88 @@
+"""The extension in a Blender with a window: installed from its zip, drawing the viewport, gone when switched off."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The extension zip with the core's wheel for Blender 4.3's Python; without the report's libraries, for speed."""
+    if not list((ROOT / "wheelhouse" / "trixie").glob("penumbra_core-*-cp313-*.whl")):
+        pytest.skip("no core wheel for CPython 3.13; run: tools/blender_window test")
+    path = tmp_path_factory.mktemp("extension") / "penumbra.zip"
+    tool = [sys.executable, str(ROOT / "tools" / "build_extension")]
+    subprocess.run([*tool, "--python", "3.13", "--without-report", "--out", str(path)], check=True)
+    return path
+
+
+@pytest.fixture(scope="module")
+def answer(window: Callable[..., dict[str, Any]], packed: Path) -> dict[str, Any]:
+    return window("viewport.py", "viewport", packed, ROOT / "examples" / "courtyard.blend")
+
+
+def patch(answer: dict[str, Any], picture: str, side: str) -> np.ndarray:
+    """Mean colour of 9 x 9 pixels of the screen, 0 .. 255."""
+    x, y = answer[picture][side]
+    pixels = np.asarray(Image.open(answer["folder"] / f"{picture}.png").convert("RGB"), float)
+    return pixels[y - 4 : y + 5, x - 4 : x + 5].mean(axis=(0, 1))
+
+
+def test_it_installs_and_enabling_it_loads_no_compiled_code(answer: dict[str, Any]) -> None:
+    assert answer["enabled"]
+    assert not answer["core_loaded_by_enabling"]
+
+
+@pytest.mark.parametrize(
+    ("picture", "lit", "dark"),
+    [("top", "left", "right"), ("turned", "right", "left"), ("soft", "left", "right"), ("mended", "left", "right")],
+)
+def test_the_shadow_is_where_it_should_be(answer: dict[str, Any], picture: str, lit: str, dark: str) -> None:
+    assert patch(answer, picture, lit).min() > 100
+    assert patch(answer, picture, dark).max() < 6
+
+
+def test_a_moved_object_s_shadow_moves(answer: dict[str, Any]) -> None:
+    assert patch(answer, "moved", "left").min() > 100
+    assert patch(answer, "moved", "right").min() > 100
+
+
+def test_too_much_light_is_white_and_its_shadow_black(answer: dict[str, Any]) -> None:
+    assert patch(answer, "dazzled", "left").min() == 255
+    assert patch(answer, "dazzled", "right").max() < 6
+
+
+def test_a_failure_is_words_over_the_last_picture(answer: dict[str, Any]) -> None:
+    assert patch(answer, "broken", "left").min() > 100, "the last picture stays"
+    good = np.asarray(Image.open(answer["folder"] / "mended.png").convert("RGB"), float)
+    bad = np.asarray(Image.open(answer["folder"] / "broken.png").convert("RGB"), float)
+    words = np.abs(bad - good).max(axis=2) > 60
+    assert words.sum() > 300
+
+
+def test_two_hundred_views_are_drawn_and_cost_no_memory(answer: dict[str, Any]) -> None:
+    assert answer["pictures"] > 10
+    memory = answer["memory_mb"]
+    assert max(memory[2:]) - memory[1] < 50
+
+
+def test_a_camera_sees_the_courtyard(answer: dict[str, Any]) -> None:
+    x, y = answer["camera"]["left"]
+    pixels = np.asarray(Image.open(answer["folder"] / "camera.png").convert("L"), float)
+    around = pixels[y - 150 : y + 150, x - 100 : x + 500]
+    assert around.std() > 25, "columns, floor and shadows"
+
+
+def test_nothing_is_left_when_it_is_switched_off(answer: dict[str, Any]) -> None:
+    assert answer["threads_in_solid"] == []
+    assert answer["left_behind"] == []
