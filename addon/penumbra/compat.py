@@ -135,3 +135,16 @@ def compositor_across(tree: Any, picture: Any) -> Any:
     node = tree.nodes.new("CompositorNodeTexture")
     node.texture = texture
     return node.outputs["Value"]
+
+
+# --- viewport --------------------------------------------------------------------------------------------------------
+
+
+def texture_to_srgb() -> dict[str, bool]:
+    """What draw_texture_2d() needs to show linear pixels in a drawing handler.
+
+    Up to 4.5 the viewport's own buffer encodes what is drawn as sRGB; from 5.0 on the shader has to.
+    """
+    import bpy
+
+    return {"is_scene_linear_with_rec709_srgb_target": True} if bpy.app.version >= (5, 0, 0) else {}

@@ -11,9 +11,10 @@ from typing import Any
 
 import bpy
 
-from . import bridge, errors, native, passes, picture, preferences, properties, session, viewport_engine
+from . import bridge, errors, native, passes, picture, preferences, properties, session
 from .errors import UserError
 from .progress import ToldProgress
+from .viewport.engine_view import EngineView
 
 ENGINE = "PENUMBRA"
 
@@ -35,7 +36,7 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
         super().__init__(*args, **kwargs)
         self._export: bridge.SceneExport | None = None
         self._problem = ""
-        self._view: viewport_engine.ViewportEngine | None = None
+        self._view: EngineView | None = None
 
     def __del__(self) -> None:
         view = getattr(self, "_view", None)
@@ -78,7 +79,7 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
     def view_update(self, context: Any, depsgraph: Any) -> None:
         """Something in the scene changed."""
         if self._view is None:
-            self._view = viewport_engine.ViewportEngine(self)
+            self._view = EngineView(self)
         self._view.update(context, depsgraph)
 
     def view_draw(self, context: Any, depsgraph: Any) -> None:

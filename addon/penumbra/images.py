@@ -68,6 +68,14 @@ def srgb_bytes(linear: Image) -> Bytes:
     return shown
 
 
+@functools.cache
+def linear_table() -> Image:
+    """Linear light of the 256 sRGB codes."""
+    x = np.arange(256, dtype=np.float64) / 255.0
+    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+    return linear.astype(np.float32)
+
+
 def png(pixels: Bytes) -> bytes:
     """8-bit grey (h, w) or RGB (h, w, 3), row 0 at the bottom, as a PNG file."""
     from PIL import Image as Pillow

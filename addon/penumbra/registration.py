@@ -9,7 +9,9 @@ from . import blender_command, compositor, engine, preferences, properties, sess
 from .comparison import operators as comparison_operators
 from .comparison import properties as comparison_properties
 from .panel import comparison as comparison_panel
+from .panel import overlay as overlay_panel
 from .panel import render_settings
+from .viewport import overlay, redraws
 
 
 class _Part(Protocol):
@@ -26,6 +28,8 @@ _PARTS: tuple[_Part, ...] = (
     comparison_operators,
     comparison_panel,
     compositor,
+    overlay,
+    overlay_panel,
     blender_command,
 )
 _registered: list[_Part] = []
@@ -48,6 +52,7 @@ def unregister() -> None:
     atexit.unregister(unregister)
     while _registered:
         _registered.pop().unregister()
+    redraws.unregister()
     session.unregister()
 
 

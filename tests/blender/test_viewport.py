@@ -17,7 +17,8 @@ from penumbra import bridge, picture
 from penumbra.picture import Wanted
 from penumbra.progress import Progress
 from penumbra.read.view_camera import view_camera
-from penumbra.viewport import LARGEST_HALF, Question, Viewport, displayable
+from penumbra.viewport.pictures import LARGEST_HALF, Pictures, displayable
+from penumbra.viewport.worker import Worker
 
 SIZE = (96, 64)
 
@@ -106,7 +107,8 @@ def asked(kit: Kit) -> Any:
     kit.camera(at=(0, -3, 6), turn=(0.45, 0, 0))
     bpy.context.view_layer.update()
     export = bridge.read_scene(bpy.context.evaluated_depsgraph_get())
-    viewport = Viewport(lambda: None)
+    worker: Worker[Any] = Worker()
+    pictures = Pictures()
 
     def camera_of(x: float) -> Callable[[tuple[int, int]], Any]:
         def camera(size: tuple[int, int]) -> Any:
@@ -119,21 +121,14 @@ def asked(kit: Kit) -> Any:
 
         return camera
 
-    def ask(key: Any, x: float = 0.0, **changes: Any) -> Question:
-        question = Question(
-            key=key,
-            export=replace(export, scene=export.scene.copy()),
-            camera=camera_of(x),
-            size=SIZE,
-            wanted=Wanted(technique="shadow_map", settings={}),
-        )
-        question = replace(question, **changes)
-        viewport.ask(question)
-        return question
+    def ask(key: Any, x: float = 0.0, wanted: Wanted | None = None, smaller: int = 2, device: str = "") -> None:
+        own = replace(export, scene=export.scene.copy())
+        wanted = wanted or Wanted(technique="shadow_map", settings={})
+        worker.ask(pictures.question(key, own, camera_of(x), SIZE, wanted, smaller=smaller, device=device))
 
-    ask.viewport = viewport  # type: ignore[attr-defined]
+    ask.worker, ask.export, ask.camera = worker, export, camera_of(0.0)  # type: ignore[attr-defined]
     yield ask
-    viewport.close()
+    worker.close()
     assert not any(thread.name == "Penumbra viewport" for thread in threading.enumerate())
 
 
@@ -147,27 +142,27 @@ def wait_for(what: Callable[[], Any], seconds: float = 20.0) -> Any:
     raise AssertionError("waited in vain")
 
 
-def finished(viewport: Viewport, key: Any, samples: int = 1) -> Any:
+def finished(worker: Worker[Any], key: Any, samples: int = 1) -> Any:
     def found() -> Any:
-        shown = viewport.shown
+        shown = worker.shown
         return shown if shown and shown.key == key and shown.size == SIZE and shown.samples == samples else None
 
     return wait_for(found)
 
 
 def test_the_full_picture_is_the_one_that_a_render_makes(asked: Any) -> None:
-    question = asked("a")
-    shown = finished(asked.viewport, "a")
-    renderer = core.Renderer()
-    question.export.scene.camera = question.camera(SIZE)
-    direct = picture.Painter(renderer, question.export, question.wanted, Progress(show=False)).sample(0)
+    asked("a")
+    shown = finished(asked.worker, "a")
+    asked.export.scene.camera = asked.camera(SIZE)
+    wanted = Wanted(technique="shadow_map", settings={})
+    direct = picture.Painter(core.Renderer(), asked.export, wanted, Progress(show=False)).sample(0)
     assert np.array_equal(shown.pixels, displayable(direct.planes["Combined"]))
     assert shown.pixels[..., 0].max() > 0
 
 
 def test_pixel_samples_follow_one_after_the_other(asked: Any) -> None:
     asked("a", wanted=Wanted(technique="shadow_map", settings={}, pixel_samples=5))
-    assert finished(asked.viewport, "a", 5).number >= 5
+    assert finished(asked.worker, "a", 5).number >= 5
 
 
 def test_the_newest_question_wins_and_older_ones_end_early(asked: Any) -> None:
@@ -177,19 +172,19 @@ def test_the_newest_question_wins_and_older_ones_end_early(asked: Any) -> None:
     started = time.monotonic()
     for step in range(20):
         asked(step, x=0.01 * step)
-    finished(asked.viewport, 19)
+    finished(asked.worker, 19)
     assert time.monotonic() - started < 10, "hours of rays were given up"
 
 
 def test_an_error_is_a_sentence_and_the_last_picture_stays(asked: Any) -> None:
     asked("good")
-    good = finished(asked.viewport, "good")
+    good = finished(asked.worker, "good")
     asked("bad", device="a device of nobody")
-    assert "no device matches" in wait_for(lambda: asked.viewport.problem)
-    assert asked.viewport.shown is good
+    assert "no device matches" in wait_for(lambda: asked.worker.problem)
+    assert asked.worker.shown is good
     asked("again")
-    finished(asked.viewport, "again")
-    assert asked.viewport.problem == ""
+    finished(asked.worker, "again")
+    assert asked.worker.problem == ""
 
 
 def test_closing_while_it_works_is_swift(asked: Any) -> None:
@@ -197,7 +192,7 @@ def test_closing_while_it_works_is_swift(asked: Any) -> None:
     asked("slow", wanted=slow, smaller=1)
     time.sleep(0.2)
     started = time.monotonic()
-    asked.viewport.close()
+    asked.worker.close()
     assert time.monotonic() - started < 2
     asked("later")
-    assert asked.viewport.shown is None
+    assert asked.worker.shown is None

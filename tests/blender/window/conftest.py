@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -77,3 +78,14 @@ def extension(tmp_path: Path) -> Callable[[str], Path]:
         return path
 
     return make
+
+
+@pytest.fixture(scope="session")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The extension zip with the core's wheel for Blender 4.3's Python; without the report's libraries, for speed."""
+    if not list((ROOT / "wheelhouse" / "trixie").glob("penumbra_core-*-cp313-*.whl")):
+        pytest.skip("no core wheel for CPython 3.13; run: tools/blender_window test")
+    path = tmp_path_factory.mktemp("extension") / "penumbra.zip"
+    tool = [sys.executable, str(ROOT / "tools" / "build_extension")]
+    subprocess.run([*tool, "--python", "3.13", "--without-report", "--out", str(path)], check=True)
+    return path

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -15,23 +16,32 @@ import bpy
 
 OUT = Path("/out")
 
-Step = Callable[[dict[str, Any]], None]
+Step = Callable[[dict[str, Any]], object]
+NOT_YET = "not yet"
+_LONGEST_WAIT_S = 60.0
 
 
 def play(*steps: Step, pause_s: float = 1.0) -> None:
     """Runs the steps from Blender's event loop, with time to draw before each; then ends Blender.
 
-    Every step adds to one dictionary, which becomes /out/answer.json. An exception ends the play, as `error` in there.
+    Every step adds to one dictionary, which becomes /out/answer.json. A step that answers NOT_YET is played again, a
+    minute at most. An exception ends the play, as `error` in there.
     """
     bpy.context.preferences.view.show_splash = False
     answer: dict[str, Any] = {"blender": bpy.app.version_string, "background": bpy.app.background}
-    waiting = iter(steps)
+    waiting = list(steps)
+    since = time.monotonic()
 
     def next_step() -> float | None:
+        nonlocal since
         try:
-            step = next(waiting, None)
-            if step is not None:
-                step(answer)
+            if waiting:
+                if waiting[0](answer) == NOT_YET:
+                    if time.monotonic() - since > _LONGEST_WAIT_S:
+                        raise TimeoutError(f"step {len(steps) - len(waiting)} waited in vain")
+                else:
+                    waiting.pop(0)
+                    since = time.monotonic()
                 return pause_s
         except Exception:
             answer["error"] = traceback.format_exc()
@@ -39,7 +49,7 @@ def play(*steps: Step, pause_s: float = 1.0) -> None:
         bpy.ops.wm.quit_blender()
         return None
 
-    bpy.app.timers.register(next_step, first_interval=pause_s)
+    bpy.app.timers.register(next_step, first_interval=pause_s, persistent=True)  # a step may open a file
 
 
 def take_picture(name: str) -> None:

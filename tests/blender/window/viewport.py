@@ -16,7 +16,7 @@ import bpy
 from mathutils import Euler
 
 sys.path.insert(0, str(Path(__file__).parent))
-from in_window import play, take_picture, viewport_of
+from in_window import NOT_YET, play, take_picture, viewport_of
 
 ZIP, BLEND = sys.argv[-2:]
 
@@ -74,6 +74,14 @@ def where(answer: dict[str, Any], name: str) -> None:
         "right": [region.x + 3 * region.width // 4, middle],
     }
     take_picture(f"{name}.png")
+
+
+def ready(answer: dict[str, Any]) -> object:
+    """All that was asked is answered; the next step comes after it is drawn."""
+    from bl_ext.user_default.penumbra.viewport.engine_view import EngineView
+
+    views = list(EngineView.alive)
+    return None if views and not any(view.busy for view in views) else NOT_YET
 
 
 def top(answer: dict[str, Any]) -> None:
@@ -136,13 +144,13 @@ def mended(answer: dict[str, Any]) -> None:
 
 
 def two_hundred_views(answer: dict[str, Any]) -> None:
-    from bl_ext.user_default.penumbra import viewport_engine
+    from bl_ext.user_default.penumbra.viewport.engine_view import EngineView
 
     def resident_mb() -> float:
         return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 2**20
 
     sizes, pictures = [], 0
-    (engine,) = viewport_engine.ViewportEngine.alive
+    (engine,) = EngineView.alive
     started = time.perf_counter()
     for step in range(200):
         viewport_of()[2].view_rotation = Euler((0.6 * math.sin(step / 9), 0, step / 20)).to_quaternion()
@@ -187,7 +195,8 @@ def switch_off(answer: dict[str, Any]) -> None:
 
 
 play(
-    install, furnish, top, turn_round, turned, soften, soft, move, moved, dazzle, dazzled, break_it, broken, mend,
-    mended, two_hundred_views, open_file, in_camera, seen_by_camera, solid_again, switch_off,
-    pause_s=2.0,
+    install, furnish, ready, top, turn_round, ready, turned, soften, ready, soft, move, ready, moved,
+    dazzle, ready, dazzled, break_it, ready, broken, mend, ready, mended, two_hundred_views, open_file, in_camera,
+    ready, seen_by_camera, solid_again, switch_off,
+    pause_s=1.0,
 )  # fmt: skip

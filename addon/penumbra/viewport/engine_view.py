@@ -7,10 +7,13 @@ import weakref
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from . import errors, picture, preferences, properties, viewport
-from .read import view_region
-from .sync import SceneSync
-from .viewport_draw import Texture, draw_text
+from .. import errors, picture, preferences, properties
+from ..read import view_region
+from ..sync import SceneSync
+from . import redraws
+from .draw import Texture, draw_text
+from .pictures import Pictures, Shown
+from .worker import Worker
 
 
 @dataclass
@@ -23,23 +26,16 @@ class Times:
     draw: float = 0.0  # all that Blender waited for when it drew, upload included
 
 
-class ViewportEngine:
+class EngineView:
     """Lives as long as the engine of one viewport."""
 
-    alive: ClassVar[weakref.WeakSet[ViewportEngine]] = weakref.WeakSet()  # for measuring
+    alive: ClassVar[weakref.WeakSet[EngineView]] = weakref.WeakSet()  # for measuring
 
     def __init__(self, engine: Any) -> None:
-        # The viewport's thread must not keep Blender's engine alive, nor speak to one that is gone.
-        told = weakref.ref(engine)
-
-        def redraw() -> None:
-            alive = told()
-            if alive is not None:
-                alive.tag_redraw()
-
-        self._engine = told
+        self._engine = weakref.ref(engine)
         self._sync = SceneSync()
-        self._viewport = viewport.Viewport(redraw)
+        self._worker: Worker[Shown] = Worker()
+        self._pictures = Pictures()
         self._texture = Texture()
         self._revision = 0
         self._asked: Any = None
@@ -47,6 +43,11 @@ class ViewportEngine:
         self.times = Times()
         self.pictures = 0  # put up so far
         self.alive.add(self)
+
+    @property
+    def busy(self) -> bool:
+        """A picture is being made."""
+        return self._worker.busy
 
     def update(self, context: Any, depsgraph: Any) -> None:
         started = time.perf_counter()
@@ -57,7 +58,7 @@ class ViewportEngine:
             self.times.read = time.perf_counter() - started
         except Exception as error:
             self._readable = False
-            self._viewport.tell_problem(errors.sentence_of(error))
+            self._worker.tell_problem(errors.sentence_of(error))
         self._revision += 1
 
     def draw(self, context: Any, depsgraph: Any) -> None:
@@ -69,7 +70,7 @@ class ViewportEngine:
         self.times.draw = time.perf_counter() - started
 
     def close(self) -> None:
-        self._viewport.close()
+        self._worker.close()
         self._texture.free()
 
     def _ask(self, context: Any, seen: view_region.SeenPart) -> None:
@@ -91,13 +92,13 @@ class ViewportEngine:
         assert export is not None
         points = self._sync.box_points
         self._asked = key
-        self._viewport.ask(
-            viewport.Question(
-                key=key,
-                export=replace(export, scene=export.scene.copy()),
-                camera=lambda size: seen.camera(size, points),
-                size=(seen.box[2], seen.box[3]),
-                wanted=picture.Wanted(
+        self._worker.ask(
+            self._pictures.question(
+                key,
+                replace(export, scene=export.scene.copy()),
+                lambda size: seen.camera(size, points),
+                (seen.box[2], seen.box[3]),
+                picture.Wanted(
                     technique=chosen.technique,
                     settings={chosen.technique: settings},
                     pixel_samples=chosen.pixel_samples,
@@ -108,9 +109,15 @@ class ViewportEngine:
                 device=preferences.device(),
             )
         )
+        redraws.watch(self._worker, self._redraw)
+
+    def _redraw(self) -> None:
+        engine = self._engine()
+        if engine is not None:
+            engine.tag_redraw()
 
     def _put_up(self, context: Any, seen: view_region.SeenPart | None) -> None:
-        shown, problem = self._viewport.shown, self._viewport.problem
+        shown, problem = self._worker.shown, self._worker.problem
         if shown is not None and seen is not None:
             started = time.perf_counter()
             if self._texture.update(shown.number, shown.pixels):

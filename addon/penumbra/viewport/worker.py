@@ -1,0 +1,156 @@
+"""A thread with a renderer that answers the newest question of one viewport, so that Blender never waits for a picture.
+
+Blender asks (`ask`) and draws the newest answer there is (`shown`). A newer question ends the work on an older one.
+Knows neither `gpu` nor Blender's data.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from .. import errors, native, picture
+from ..progress import ToldProgress
+
+_LONGEST_WAIT_S = 2.0  # for the thread at the end
+
+A = TypeVar("A")
+
+
+class Desk(Generic[A]):
+    """What the work on one question has to do with the one who asked."""
+
+    def __init__(self, worker: Worker[A], question: Question[A]) -> None:
+        self._worker = worker
+        self._question = question
+
+    def stop_if_old(self) -> None:
+        """@raises picture.StoppedError when nobody waits for this any more"""
+        self._worker.stop_if_old(self._question)
+
+    def progress(self) -> ToldProgress:
+        """For the core's long calls: they end when nobody waits for them any more."""
+        return ToldProgress(lambda _share, _text: self.stop_if_old())
+
+    def show(self, answer: A) -> None:
+        """Hands an answer on; there may be several, each better than the one before."""
+        self._worker.show(self._question, answer)
+
+
+@dataclass(frozen=True, eq=False)
+class Question(Generic[A]):
+    key: Hashable  # equal keys mean equal answers
+    work: Callable[[Any, Desk[A]], None]  # (core.Renderer, desk), on the worker's thread
+    device: str = ""
+
+
+class Worker(Generic[A]):
+    """One viewport's thread and its newest answer."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._question: Question[A] | None = None
+        self._shown: A | None = None
+        self._problem = ""
+        self._version = 0
+        self._closed = False
+        self._done: Question[A] | None = None
+        self._thread: threading.Thread | None = None
+
+    # ------------------------------------------------------------------------------------ called by Blender's thread
+
+    def ask(self, question: Question[A]) -> None:
+        """An answer is wanted; whatever was asked before no longer is."""
+        with self._changed:
+            if self._closed:
+                return
+            self._question = question
+            self._changed.notify()
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name="Penumbra viewport", daemon=True)
+                self._thread.start()
+
+    @property
+    def busy(self) -> bool:
+        """There is an unanswered question."""
+        with self._changed:
+            return not self._closed and self._question is not None and self._question is not self._done
+
+    @property
+    def version(self) -> int:
+        """Grows with every answer and every problem."""
+        with self._changed:
+            return self._version
+
+    @property
+    def shown(self) -> A | None:
+        with self._changed:
+            return self._shown
+
+    @property
+    def problem(self) -> str:
+        """Why there is no newer answer, in one sentence; empty if nothing is wrong."""
+        with self._changed:
+            return self._problem
+
+    def tell_problem(self, problem: str) -> None:
+        """Of Blender's own side: a scene that cannot be read."""
+        with self._changed:
+            self._problem = problem
+            self._version += 1
+
+    def close(self) -> None:
+        """Ends the thread and gives its renderer back; never raises, waits two seconds at most."""
+        with self._changed:
+            self._closed = True
+            self._question = self._shown = None
+            self._changed.notify()
+        if self._thread is not None:
+            self._thread.join(_LONGEST_WAIT_S)
+
+    # -------------------------------------------------------------------------------------------------- the thread
+
+    def _run(self) -> None:
+        renderer, device = None, ""
+        while True:
+            with self._changed:
+                while not self._closed and (self._question is None or self._question is self._done):
+                    self._changed.wait()
+                if self._closed:
+                    return
+                question = self._question
+            assert question is not None
+            try:
+                if renderer is None or device != question.device:
+                    renderer = None
+                    renderer, device = native.load().Renderer(question.device), question.device
+                question.work(renderer, Desk(self, question))
+            except picture.StoppedError:
+                continue
+            except Exception as error:
+                renderer = None  # after an error nobody trusts it
+                self._tell(errors.sentence_of(error))
+            with self._changed:
+                self._done = question
+
+    def stop_if_old(self, question: Question[A]) -> None:
+        with self._changed:
+            if self._closed or self._question is not question:
+                raise picture.StoppedError
+
+    def show(self, question: Question[A], answer: A) -> None:
+        with self._changed:
+            if self._closed or self._question is not question:
+                raise picture.StoppedError
+            self._shown = answer
+            self._problem = ""
+            self._version += 1
+
+    def _tell(self, problem: str) -> None:
+        with self._changed:
+            if self._closed:
+                return
+            self._problem = problem
+            self._version += 1

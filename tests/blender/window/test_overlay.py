@@ -1,0 +1,75 @@
+"""The overlay in a Blender with a window: two halves, a wipe that a mouse drags, the truth, and nothing left behind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(scope="module")
+def answer(window: Callable[..., dict[str, Any]], packed: Path) -> dict[str, Any]:
+    return window("overlay.py", "overlay", packed, ROOT / "examples" / "courtyard.blend")
+
+
+def region(answer: dict[str, Any], picture: str) -> np.ndarray:
+    left, top, width, height = answer["region"]
+    pixels = np.asarray(Image.open(answer["folder"] / f"{picture}.png").convert("RGB"), float)
+    return pixels[top : top + height, left : left + width]
+
+
+def wipe_line(pixels: np.ndarray) -> int:
+    """Column of the white line, away from its grip and the words."""
+    rows = pixels[pixels.shape[0] // 5 : pixels.shape[0] // 3]
+    return int(np.argmax(rows.min(axis=(0, 2))))
+
+
+def test_it_covers_the_viewport_and_goes_again(answer: dict[str, Any]) -> None:
+    plain, on, off = (region(answer, name) for name in ("plain", "on", "off"))
+    assert np.abs(on - plain).mean() > 10
+    assert np.abs(off - plain).mean() < 0.5
+
+
+def test_its_two_halves_are_two_techniques(answer: dict[str, Any]) -> None:
+    """Left of the line hard shadows, right of it soft ones: dragging the line changes what lies between."""
+    on, dragged = region(answer, "on"), region(answer, "dragged")
+    width = on.shape[1]
+    middle = np.s_[100:-100, width // 2 + 20 : 3 * width // 4 - 20]
+    outside = np.s_[100:-100, : width // 2 - 20]
+    assert np.abs(on[middle] - dragged[middle]).mean() > 0.5
+    assert np.abs(on[outside] - dragged[outside]).mean() < 0.1
+
+
+def test_a_mouse_drags_the_wipe_line(answer: dict[str, Any]) -> None:
+    assert answer["wipe"] == pytest.approx(0.75, abs=0.01)
+    width = answer["region"][2]
+    assert wipe_line(region(answer, "on")) == pytest.approx(width / 2, abs=2)
+    assert wipe_line(region(answer, "dragged")) == pytest.approx(0.75 * width, abs=3)
+
+
+def test_the_error_is_in_false_colours_and_the_truth_beside_it(answer: dict[str, Any]) -> None:
+    pixels = region(answer, "error")
+    left = pixels[100:-100, : int(0.7 * pixels.shape[1])]
+    colourful = (left[..., 0] > 100) & (left[..., 0] > 1.5 * left[..., 2])
+    assert 0.002 < colourful.mean() < 0.5
+
+
+def test_the_figures_under_the_cursor_are_those_of_the_pixel(answer: dict[str, Any]) -> None:
+    figures = answer["figures"]
+    assert answer["cursor"] is not None
+    if figures:
+        assert figures["A - truth"] == pytest.approx(figures["A"] - figures["truth"])
+
+
+def test_switching_off_loading_and_disabling_leave_nothing(answer: dict[str, Any]) -> None:
+    assert answer["threads"] == []
+    assert answer["handlers"] == []
+    assert answer["on_after_load"] is False
+    assert answer["threads_after_disable"] == []
+    assert answer["left_behind"] == []
