@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import catalogue, errors, preferences, properties
+from .. import catalogue, colours, errors, preferences, properties
 from ..read import view_region
 from ..sync import SceneSync
 from . import redraws
@@ -317,9 +317,7 @@ def _figures(kept: _Region, shown: Compared, box: tuple[int, int, int, int]) -> 
 
 
 def _draw_legend(region: Any, scale: float) -> None:
-    from .. import images
-
-    table = images.colour_table("inferno")
+    table = colours.table("inferno")
     width, height = 256, 10
     left, bottom = region.width - width - 24, 40
     for i in range(0, 256, 4):
