@@ -50,7 +50,7 @@ class _Builder:
 def node_group() -> Any:
     """The group, made unless the file has it.
 
-    In: A, B and Reference (V, one value a pixel), Position (0 .. 1 of the width), Softness (width of the edge, a share of
+    In: A, B and Reference (V, one value a pixel), Position (0 .. 1 of the width), Softness (width of the edge, share of
     the picture's), Scale of the difference, and the error at the end of the false colours' scale.
     Out: the wipe, A to the left and B to the right; |A - B| x scale; and |wipe - reference| in the report's colours.
     """

@@ -80,7 +80,9 @@ def settings_of(scene: Any, identifier: str) -> Settings:
 
 def _value(group: Any, setting: dict[str, Any]) -> Value:
     value = getattr(group, setting["id"])
-    return float(value) if setting["type"] == "float" else value
+    if setting["type"] != "float":
+        return value  # type: ignore[no-any-return]
+    return float(f"{value:.7g}")  # Blender keeps 32 bits: 0.1, not 0.10000000149
 
 
 def set_settings(scene: Any, identifier: str, settings: Settings) -> None:

@@ -103,12 +103,16 @@ def test_the_table_holds_what_the_comparer_finds(scene: Kit) -> None:
     import penumbra_core as core
     from penumbra import compare, progress, properties
     from penumbra.comparison import results
+    from penumbra.panel import comparison as panel
 
+    scene.scene.penumbra.settings.shadow_map.map_size = 512
     assert bpy.ops.penumbra.compare() == {"FINISHED"}
     kept = scene.scene.penumbra_comparison
     assert [row.technique for row in kept.rows] == list(FAST)
     assert all(row.status == "ok" and row.time_ms > 0 and row.light == "Key" for row in kept.rows)
     assert kept.heading == "Camera, 96 x 64, frame 1"
+    assert panel.changed_settings(results.record_of(kept, kept.rows[0])) == {"map_size": 512}
+    assert panel.changed_settings(results.record_of(kept, kept.rows[1])) == {}
 
     options = compare.Options(
         techniques=FAST,

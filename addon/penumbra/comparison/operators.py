@@ -60,6 +60,7 @@ class PENUMBRA_OT_compare(bpy.types.Operator):  # noqa: N801
         running.begin(order, wait=wait)
         if not wait:
             _listen()
+            redraw()
             return {"FINISHED"}
         collect()
         if running.problem():
@@ -153,7 +154,7 @@ class PENUMBRA_OT_show_result(_OnResults):  # noqa: N801
         except UserError as error:
             self.report({"WARNING"}, str(error))
             return {"CANCELLED"}
-        show.hand_to_overlay(context.scene, row)
+        show.hand_to_overlay(context, row)
         if not show.put_up(context, image):
             self.report({"INFO"}, f'The picture is the image "{image.name}"')
         return {"FINISHED"}

@@ -17,8 +17,8 @@ import numpy.typing as npt
 from ..images import Bytes
 from ..report import palette
 
-WIDTH, HEIGHT = 512, 384
-_LEFT, _RIGHT, _BOTTOM, _TOP = 78, 14, 40, 14  # margins
+WIDTH, HEIGHT = 400, 368  # nearly square, as the place is that Blender gives an icon
+_LEFT, _RIGHT, _BOTTOM, _TOP = 76, 14, 36, 12  # margins
 _BACK, _GRID, _INK = (38, 38, 40), (66, 66, 70), (200, 200, 204)
 _FLOOR = 1e-6  # a logarithmic axis has no zero
 
@@ -142,8 +142,8 @@ def _front(canvas: Canvas, points: list[Point], across: _Axis, up: _Axis) -> Non
     ordered = sorted(points, key=lambda point: point.time_ms)
     for before, after in itertools.pairwise(ordered):
         corner = (across(after.time_ms), up(before.error))
-        _line(canvas, (across(before.time_ms), up(before.error)), corner, 7, (88, 88, 92))
-        _line(canvas, corner, (across(after.time_ms), up(after.error)), 7, (88, 88, 92))
+        _line(canvas, (across(before.time_ms), up(before.error)), corner, 6, (88, 88, 92))
+        _line(canvas, corner, (across(after.time_ms), up(after.error)), 6, (88, 88, 92))
 
 
 def _curve(canvas: Canvas, curve: Curve, across: _Axis, up: _Axis) -> None:
@@ -155,9 +155,9 @@ def _curve(canvas: Canvas, curve: Curve, across: _Axis, up: _Axis) -> None:
     for point, (x, y) in zip(curve.points, places, strict=True):
         _line(canvas, (across(point.low_ms), y), (across(point.high_ms), y), 1.5, colour)
         if point.active:
-            _line(canvas, (x, y), (x, y), 24, (255, 255, 255))
-            _line(canvas, (x, y), (x, y), 19, _BACK)
-        _line(canvas, (x, y), (x, y), 13, colour)
+            _line(canvas, (x, y), (x, y), 22, (255, 255, 255))
+            _line(canvas, (x, y), (x, y), 17, _BACK)
+        _line(canvas, (x, y), (x, y), 12, colour)
 
 
 def _line(canvas: Canvas, start: tuple[float, float], end: tuple[float, float], width: float, colour: Colour) -> None:

@@ -70,7 +70,7 @@ def _comparison_group(techniques: type) -> type:
             name="View",
             description="What is looked at while comparing",
             items=[
-                ("CAMERA", "Scene Camera", "The frame of the scene's camera"),
+                ("CAMERA", "Camera", "The frame of the scene's camera"),
                 ("VIEW", "This View", "What the 3D viewport shows"),
             ],
             default="CAMERA",

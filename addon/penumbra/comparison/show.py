@@ -167,11 +167,11 @@ def _editor(context: Any) -> Any | None:
     return next(iter(ours + found), None)
 
 
-def hand_to_overlay(scene: Any, row: Any) -> None:
-    """The viewport's overlay, where there is one, shows the same technique."""
-    overlay = getattr(scene, "penumbra_overlay", None)
-    if overlay is not None and hasattr(overlay, "technique_a"):
-        overlay.technique_a = row.technique
+def hand_to_overlay(context: Any, row: Any) -> None:
+    """The viewport's overlay, where there is one, shows the same technique on its left."""
+    overlay = getattr(context.window_manager, "penumbra_overlay", None)
+    if overlay is not None and hasattr(overlay, "first"):
+        overlay.first = row.technique
 
 
 # --- pictures in panels ----------------------------------------------------------------------------------------------
@@ -218,8 +218,7 @@ def swatch_icon(colour: int) -> int:
         y, x = np.mgrid[:32, :32]
         inside = np.clip(11.5 - np.hypot(x - 15.5, y - 15.5), 0, 1)
         picture = np.zeros((32, 32, 4), np.uint8)
-        picture[..., :3] = _rgb(colour)
-        picture[..., 3] = np.rint(inside * 255)
+        picture[...] = np.rint(inside[..., None] * np.array([*_rgb(colour), 255]))  # premultiplied, as icons are
         _fill(collection.new(name), picture)
     return int(collection[name].icon_id)
 

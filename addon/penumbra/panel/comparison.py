@@ -12,12 +12,12 @@ from .. import catalogue, verdict
 from ..comparison import operators as ops
 from ..comparison import pictures, results, running, show, table
 from ..engine import ENGINE
-from ..records import Record
+from ..records import Record, Settings
 from ..report.html import format_bytes, short_settings
 from .settings import draw_settings
 
 _COLUMNS = (("NAME", "Technique"), ("ERROR", "Error"), ("TIME", "Time"))
-_SPLITS = (0.54, 0.5)  # of the row: the name; of what is left: the error
+_SPLITS = (0.46, 0.42)  # of the row: the name; of what is left: the error
 _GALLERY_SCALE, _PLOT_SCALE = 5.0, 12.0
 _FEWEST_ROWS, _MOST_ROWS = 4, 14
 
@@ -38,7 +38,8 @@ class PENUMBRA_UL_results(bpy.types.UIList):  # noqa: N801
         error.alignment = time.alignment = "RIGHT"
         error.label(text=table.error_text(item.error))
         time.label(text=_milliseconds(item.time_ms))
-        time.label(text="", icon="SOLO_ON" if item.on_front else "BLANK1")
+        if item.on_front:
+            name.label(text="", icon="SOLO_ON")
 
     def draw_filter(self, context: Any, layout: Any) -> None:
         layout.prop(self, "filter_name", text="")
@@ -133,10 +134,10 @@ def draw_results(layout: Any, context: Any) -> None:
     layout.template_list("PENUMBRA_UL_results", "", kept, "rows", kept, "active_row", rows=rows, maxrows=_MOST_ROWS)
     if not pictures.exist(kept.key):
         _text(layout, show.MISSING, context, icon="INFO")
-    row = layout.row(align=True)
-    row.enabled = pictures.exist(kept.key)
+    grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+    grid.enabled = pictures.exist(kept.key)
     for what, label, _ in show.ITEMS:
-        row.operator(ops.PENUMBRA_OT_show_result.bl_idname, text=label).what = what
+        grid.operator(ops.PENUMBRA_OT_show_result.bl_idname, text=label).what = what
     column = layout.column(align=True)
     column.operator(ops.PENUMBRA_OT_use_cheapest.bl_idname, icon="CHECKMARK")
     row = column.row(align=True)
@@ -152,12 +153,15 @@ def draw_thumbnails(layout: Any, context: Any) -> None:
     row = layout.row()
     row.prop(kept, "show_error", text="Visibility", invert_checkbox=True, toggle=True)
     row.prop(kept, "show_error", text="Error", toggle=True)
-    grid = layout.grid_flow(row_major=True, columns=0, even_columns=True, even_rows=True, align=True)
+    columns = max(2, int(_width(context) / (_GALLERY_SCALE * 26)))
+    grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=True)
     light = next((light for light in kept.result_lights if light.name == kept.shown_light), None)
     if light is not None and light.thumbnail and not kept.show_error:
         cell = grid.column(align=True)
         cell.template_icon(show.thumbnail_icon(light.thumbnail, error=False), scale=_GALLERY_SCALE)
-        cell.label(text="Reference")
+        name = cell.row()
+        name.alignment = "CENTER"
+        name.label(text="Reference")
     for index in results.listed(kept):
         item = kept.rows[index]
         icon = show.thumbnail_icon(item.thumbnail, error=kept.show_error, colour=item.colour)
@@ -193,11 +197,18 @@ def draw_row(layout: Any, context: Any) -> None:
         return
     icon = show.thumbnail_icon(row.thumbnail, error=kept.show_error, colour=row.colour)
     if icon:
-        layout.template_icon(icon, scale=_GALLERY_SCALE + 1)
+        layout.template_icon(icon, scale=_GALLERY_SCALE + 2)
     _pairs(layout, figures_of(record))
     if record.area is not None:
         _text(layout, str(record.area.get("sentence", "")), context)
-    _text(layout, short_settings(record.settings), context)
+    changed = changed_settings(record)
+    _text(layout, f"Settings: {short_settings(changed)}" if changed else "All settings at their defaults", context)
+
+
+def changed_settings(record: Record) -> Settings:
+    """Those that are not at their defaults."""
+    defaults = {str(setting["id"]): setting["default"] for setting in catalogue.technique(record.technique)["settings"]}
+    return {key: value for key, value in record.settings.items() if value != defaults.get(key)}
 
 
 def figures_of(record: Record) -> list[tuple[str, str]]:
@@ -254,11 +265,15 @@ def _pairs(layout: Any, pairs: list[tuple[str, str]]) -> None:
         line.label(text=value)
 
 
+def _width(context: Any) -> float:
+    """Of the panel, in pixels of an interface that is not enlarged."""
+    width = context.region.width if context.region is not None else 300
+    return float(width) / (context.preferences.system.ui_scale or 1.0)  # 0 without a window
+
+
 def _text(layout: Any, text: str, context: Any, *, icon: str = "NONE", indent: bool = False) -> None:
     """Words that go on in the next line where the panel ends."""
-    width = context.region.width if context.region is not None else 300
-    scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
-    letters = max(20, int((width - (60 if icon != "NONE" or indent else 40) * scale) / (6.2 * scale)))
+    letters = max(20, int((_width(context) - (60 if icon != "NONE" or indent else 40)) / 6.2))
     column = layout.column(align=True)
     column.scale_y = 0.75
     for number, line in enumerate(textwrap.wrap(text, letters)):

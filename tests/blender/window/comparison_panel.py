@@ -1,0 +1,168 @@
+"""Inside Blender's window: the comparison panel, from its button to a result in an image editor.
+
+Arguments: the extension zip.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+from in_window import NOT_YET, play, take_picture
+
+PACKAGE = "bl_ext.user_default.penumbra"
+TECHNIQUES = ("shadow_map", "pcf", "smoothies", "plateaus", "light_samples", "ray_traced", "masked_rays")
+
+
+def module(name: str) -> Any:
+    return importlib.import_module(f"{PACKAGE}.{name}")
+
+
+def window() -> Any:
+    return bpy.context.window_manager.windows[0]
+
+
+def viewport() -> tuple[Any, Any]:
+    area = next(area for area in window().screen.areas if area.type == "VIEW_3D")
+    return area, next(region for region in area.regions if region.type == "WINDOW")
+
+
+def operate(call: Any, *given: Any, **named: Any) -> Any:
+    """As a click in the viewport does."""
+    area, region = viewport()
+    with bpy.context.temp_override(window=window(), area=area, region=region):
+        return call(*given, **named)
+
+
+def install(answer: dict[str, Any]) -> None:
+    bpy.ops.extensions.package_install_files(filepath=sys.argv[-1], repo="user_default", enable_on_install=True)
+    answer["core_loaded"] = "penumbra_core" in sys.modules
+    answer["techniques_there"] = len(module("catalogue").techniques())
+
+
+def open_scene(answer: dict[str, Any]) -> None:
+    bpy.ops.wm.open_mainfile(filepath="/penumbra/examples/courtyard.blend")
+
+
+def arrange(answer: dict[str, Any]) -> None:
+    """The sidebar with our tab in a tall viewport."""
+    scene = bpy.context.scene
+    kept = scene.penumbra_comparison
+    for name in dir(kept.techniques):
+        if name in {info["id"] for info in module("catalogue").techniques()}:
+            setattr(kept.techniques, name, name in TECHNIQUES)
+    kept.scale, kept.timing_seconds, scene.penumbra.reference_error = 20, 0.2, 0.01
+    area, _ = viewport()
+    area.spaces.active.show_region_ui = True
+    area.spaces.active.shading.type = "SOLID"
+
+
+def choose_tab(answer: dict[str, Any]) -> None:
+    area, _ = viewport()
+    sidebar = next(region for region in area.regions if region.type == "UI")
+    sidebar.active_panel_category = "Penumbra"
+    sidebar.tag_redraw()
+    answer["sidebar_px"] = [sidebar.width, sidebar.height]
+
+
+def unfold(answer: dict[str, Any]) -> None:
+    """All panels open, as after a click on each header."""
+    panels = module("panel.comparison")
+    panels.unregister()
+    for panel in panels._CLASSES[1:]:
+        panel.bl_options = set()
+    panels.register()
+
+
+def before(answer: dict[str, Any]) -> None:
+    take_picture("before.png")
+    started = time.monotonic()
+    answer["started"] = sorted(operate(bpy.ops.penumbra.compare, "INVOKE_DEFAULT"))
+    answer["start_s"] = time.monotonic() - started
+
+
+def running(answer: dict[str, Any]) -> None:
+    current = module("comparison.running").current()
+    answer["progress"] = list(current.progress) if current is not None else None
+    take_picture("running.png")
+    # The artist goes on working.
+    obj = bpy.data.objects.new("Meanwhile", None)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.ops.ed.undo_push(message="Meanwhile")
+
+
+def midway(answer: dict[str, Any]) -> object:
+    current = module("comparison.running").current()
+    return NOT_YET if current is not None and current.progress[0] < 0.4 else None
+
+
+def wait(answer: dict[str, Any]) -> object:
+    return NOT_YET if module("comparison.running").current() is not None else None
+
+
+def results(answer: dict[str, Any]) -> None:
+    kept = bpy.context.scene.penumbra_comparison
+    answer["problem"] = module("comparison.running").problem()
+    answer["rows"] = [[row.technique, row.status, row.error, row.time_ms] for row in kept.rows]
+    take_picture("results.png")
+
+
+def after_undo(answer: dict[str, Any]) -> None:
+    operate(bpy.ops.ed.undo)
+    operate(bpy.ops.ed.redo)
+    answer["rows_after_undo_and_redo"] = len(bpy.context.scene.penumbra_comparison.rows)
+
+
+def editor(answer: dict[str, Any]) -> None:
+    area, _ = viewport()
+    with bpy.context.temp_override(window=window(), area=area):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.45)
+    other = min((a for a in window().screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
+    other.type = "IMAGE_EDITOR"
+
+
+def show(answer: dict[str, Any]) -> None:
+    answer["shown"] = sorted(operate(bpy.ops.penumbra.show_result, row=3, what="ERROR"))
+    area = next(area for area in window().screen.areas if area.type == "IMAGE_EDITOR")
+    answer["shown_image"] = area.spaces.active.image.name
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window(), area=area, region=region):
+        bpy.ops.image.view_all(fit_view=True)
+
+
+def scroll(answer: dict[str, Any]) -> None:
+    area = next(area for area in window().screen.areas if area.type == "VIEW_3D")
+    sidebar = next(region for region in area.regions if region.type == "UI")
+    with bpy.context.temp_override(window=window(), area=area, region=sidebar):
+        for _ in range(7):
+            bpy.ops.view2d.scroll_down(deltay=80)
+    sidebar.tag_redraw()
+
+
+def picture(name: str) -> Any:
+    return lambda answer: take_picture(f"{name}.png")
+
+
+def make_properties(answer: dict[str, Any]) -> None:
+    bpy.context.scene.render.engine = "PENUMBRA"
+    next(area for area in window().screen.areas if area.type == "IMAGE_EDITOR").type = "PROPERTIES"
+
+
+def properties(answer: dict[str, Any]) -> None:
+    area = max((a for a in window().screen.areas if a.type == "PROPERTIES"), key=lambda area: area.width)
+    area.spaces.active.context = "RENDER"
+
+
+SCROLLED = [step for number in range(1, 9) for step in (scroll, picture(f"scrolled_{number}"))]
+
+play(
+    install, unfold, open_scene, arrange, choose_tab, before, running, midway, picture("midway"), wait, results,
+    after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED, make_properties, properties,
+    picture("properties"),
+)  # fmt: skip
