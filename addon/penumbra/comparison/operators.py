@@ -22,6 +22,7 @@ from ..read import view_region
 from . import results, running, show, table
 
 _REFRESH_S = 0.2
+_NOT_FOR_WRITING = ("flip-evaluator", "rich")  # of the libraries of `penumbra compare`
 
 force_thread = False
 """For tests: a thread also without an event loop; collect() then has to be called by hand."""
@@ -338,7 +339,7 @@ def write_report(scene: Any, folder: Path) -> Path:
     from .. import doctor
     from ..report import ReportWriter
 
-    missing = doctor.missing_libraries()
+    missing = [name for name in doctor.missing_libraries() if name not in _NOT_FOR_WRITING]
     if missing:
         raise UserError(f"the report needs Python packages that are not here: {', '.join(missing)}")
     kept = scene.penumbra_comparison

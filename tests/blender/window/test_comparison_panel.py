@@ -1,0 +1,56 @@
+"""The comparison panel in a Blender with a window: it works beside the artist, fills its table, and shows a result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+
+@pytest.fixture(scope="module")
+def answer(window: Callable[..., dict[str, Any]], packed: Path) -> dict[str, Any]:
+    return window("comparison_panel.py", "comparison", packed)
+
+
+def test_the_operator_returns_at_once_and_the_table_is_filled_later(answer: dict[str, Any]) -> None:
+    assert not answer["core_loaded"], "switching on does not load the core"
+    assert answer["started"] == ["FINISHED"]
+    assert answer["start_s"] < 1.0
+    assert answer["progress"] is not None, "it runs while the artist works"
+    assert answer["problem"] == ""
+    assert len(answer["rows"]) == 7
+    assert all(status == "ok" and 0 < error < 1 and time > 0 for _, status, error, time in answer["rows"])
+
+
+def test_undoing_what_the_artist_did_keeps_the_results(answer: dict[str, Any]) -> None:
+    assert answer["rows_after_undo"] == 7
+    assert not answer["meanwhile_after_undo"], "that was what was undone"
+
+
+def test_a_result_stands_in_the_image_editor(answer: dict[str, Any]) -> None:
+    assert answer["shown"] == ["FINISHED"]
+    assert answer["shown_image"] == "Penumbra Error"
+    pixels = np.asarray(Image.open(answer["folder"] / "shown.png").convert("RGB"), int)[60:720, 490:1050]
+    burning = (pixels[..., 0] > 200) & (pixels[..., 2] < 120)
+    assert burning.mean() > 0.01, "false colours of the error"
+
+
+def test_the_panel_draws_table_plot_and_thumbnails(answer: dict[str, Any]) -> None:
+    """The techniques' colours stand in the sidebar: dots of the table, marks of the plot, bars of the thumbnails."""
+    from penumbra.report import palette
+
+    seen = dict.fromkeys(range(7), 0)
+    for number in range(1, 9):
+        pixels = np.asarray(Image.open(answer["folder"] / f"scrolled_{number}.png").convert("RGB"), int)
+        sidebar = pixels[80:720, 190:450]
+        for colour in seen:
+            code = np.array(list(bytes.fromhex(palette.colour(colour).lstrip("#"))))
+            seen[colour] += int((np.abs(sidebar - code).max(axis=-1) < 12).sum())
+    assert min(seen.values()) > 100, seen
+    before = np.asarray(Image.open(answer["folder"] / "before.png").convert("RGB"), int)[80:720, 780:1030]
+    midway = np.asarray(Image.open(answer["folder"] / "midway.png").convert("RGB"), int)[80:720, 780:1030]
+    assert not np.array_equal(before, midway), "the progress bar"
