@@ -10,27 +10,33 @@
 namespace penumbra {
 
 struct MaskedTraceOptions {
-    int rays = 64;         ///< >= 1: of a pixel in the penumbra; a light without extent gets 1
-    int pilot_rays = 16;   ///< >= 1: of every listed pixel, before that
-    bool adaptive = true;  ///< false: `rays` and the pilot's for every listed pixel
+    int rays = 256;       ///< >= 1: strata of the light that count where its visibility changes
+    int first_rays = 16;  ///< >= 1: of every listed pixel, before that
     std::uint32_t seed = 1;
 };
 
 struct MaskedTraceCounts {
     std::uint64_t rays = 0;
-    std::uint64_t pixels = 0;       ///< that got a pilot
-    std::uint64_t full_pixels = 0;  ///< that got all rays
+    std::uint64_t pixels = 0;       ///< that were listed
+    std::uint64_t full_pixels = 0;  ///< that got more than the first rays
 };
 
-/// V of some pixels by shadow rays, whose number follows what is found around them.
+/// V of some pixels by shadow rays that go where they are needed: to pixels, and to parts of the light, around which
+/// others find visibility to change.
 ///
-/// Every listed pixel casts a pilot of stratified rays. Where the pilots of the pixels around it (not its own) and the
-/// classes of those not listed agree that all is lit or all dark, that is all; else it casts `rays` more. Both
-/// estimates are kept, weighted by count^(3/2) (lines: count^2), which is by the inverse of their variances. A pixel's
-/// own rays never decide how many it gets nor how they are weighted, so V is unbiased.
+/// 1. Every listed pixel casts `first_rays`, stratified. Where those of the pixels around it, within two pixels, and
+/// the
+///    V of those not listed agree that all is lit or all dark, that is all.
+/// 2. The others cast 64 rays, one in each of 8 x 8 strata (lines: 64 intervals).
+/// 3. A stratum in which, or beside which, the eight pixels around disagree is cut into rays / 64, with a ray in each.
+///
+/// A pixel's own rays never decide how many it gets nor where, so V is unbiased: it is the mean over strata of their
+/// own means, and the strata are weighted by their size alone. With `rays` up to 64 there are steps 1 and 2 alone, with
+/// that many strata; with no more than `first_rays`, step 1 alone.
 ///
 /// @param listed      1 where V is asked
-/// @param visibility  view.size() entries; those not listed are read (as V around the others) and left alone
+/// @param visibility  view.size() entries; those not listed are left alone, and read where they are not below 0, as V
+///                    around the others
 /// @throws Cancelled
 MaskedTraceCounts trace_masked(const RayScene& rays, const View& view, const Light& light,
                                std::span<const std::uint8_t> listed, const MaskedTraceOptions& options,

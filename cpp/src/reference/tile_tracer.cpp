@@ -11,14 +11,10 @@
 namespace penumbra {
 namespace {
 
-/// Sample coordinates of 16 rays whose cells start at `first`.
-PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, std::uint32_t base,
-                                          const std::uint32_t* pixels, SampleLanes& samples) noexcept {
-    const float* u = &cells.u[first];
-    const float* v = &cells.v[first];
-    const float* width = &cells.width[first];
-    const float* height = &cells.height[first];
-    const std::uint32_t* index = &cells.index[first];
+/// Sample coordinates of 16 rays in the cells given.
+PENUMBRA_VECTOR_CLONES void place_samples(const float* u, const float* v, const float* width, const float* height,
+                                          const std::uint32_t* index, std::uint32_t base, const std::uint32_t* pixels,
+                                          SampleLanes& samples) noexcept {
     for (int i = 0; i < kRayLanes; ++i) {
         float a;
         float b;
@@ -26,6 +22,13 @@ PENUMBRA_VECTOR_CLONES void place_samples(const Cells& cells, int first, std::ui
         samples.u[i] = u[i] + width[i] * a;
         samples.v[i] = v[i] + height[i] * b;
     }
+}
+
+/// Of rays whose cells start at `first`.
+void place_samples(const Cells& cells, int first, std::uint32_t base, const std::uint32_t* pixels,
+                   SampleLanes& samples) noexcept {
+    place_samples(&cells.u[first], &cells.v[first], &cells.width[first], &cells.height[first], &cells.index[first],
+                  base, pixels, samples);
 }
 
 void add(Cells& cells, float u, float v, float width, float height, int index) {
@@ -114,6 +117,12 @@ void TileTracer::trace(const TileReceivers& receivers, std::span<const std::uint
     }
 }
 
+void TileTracer::place_lanes() noexcept {
+    place_samples(cell_u_.data(), cell_v_.data(), cell_width_.data(), cell_height_.data(), cell_index_.data(), base_,
+                  pixels_.data(), samples_);
+    points_.aim(lanes_, samples_, batch_.next());
+}
+
 void TileTracer::fill(const TileReceivers& receivers, std::uint16_t owner, int lane, int run) noexcept {
     std::fill_n(&owners_[static_cast<std::size_t>(batch_.count()) + lane], run, owner);
     if (run < kRayLanes) {
@@ -125,7 +134,7 @@ void TileTracer::fill(const TileReceivers& receivers, std::uint16_t owner, int l
     }
 }
 
-PENUMBRA_INLINE void TileTracer::fill_lanes(const Receiver& receiver, int from, int to) noexcept {
+void TileTracer::fill_lanes(const Receiver& receiver, int from, int to) noexcept {
     for (int i = from; i < to; ++i) {
         lanes_.px[i] = receiver.position_an.x;
         lanes_.py[i] = receiver.position_an.y;

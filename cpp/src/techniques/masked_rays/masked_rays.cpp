@@ -12,15 +12,16 @@ namespace {
 
 std::vector<SettingInfo> masked_rays_settings() {
     std::vector<SettingInfo> settings = PenumbraMask::settings();
-    settings.push_back({.id = "rays",
-                        .label = "Rays",
-                        .unit = "rays",
-                        .help = "Shadow rays per pixel of a penumbra, beyond the first ones.",
-                        .default_value = 64,
-                        .minimum = 1,
-                        .maximum = 65536,
-                        .choices = {},
-                        .sweep = {16, 64, 256, 1024}});
+    settings.push_back(
+        {.id = "rays",
+         .label = "Rays",
+         .unit = "rays",
+         .help = "Strata of the light where a pixel of a penumbra sees visibility change; fewer rays elsewhere.",
+         .default_value = 256,
+         .minimum = 1,
+         .maximum = 65536,
+         .choices = {},
+         .sweep = {16, 64, 256, 1024, 4096}});
     settings.push_back(
         {.id = "first_rays",
          .label = "First rays",
@@ -61,8 +62,7 @@ const TechniqueInfo& MaskedRays::description() {
 
 MaskedRays::MaskedRays(const Settings& settings)
     : options_{.rays = get_int(settings, "rays"),
-               .pilot_rays = get_int(settings, "first_rays"),
-               .adaptive = true,
+               .first_rays = get_int(settings, "first_rays"),
                .seed = static_cast<std::uint32_t>(get_int(settings, "seed"))},
       mask_{PenumbraMask::options_from(settings)} {}
 
@@ -109,7 +109,7 @@ void MaskedRays::resolve(Frame& frame) {
             const bool asked = summary.mask[i] != 0;
             const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
             listed[i] = asked && found == PenumbraMask::Class::Maybe ? 1 : 0;
-            visibility[i] = asked && found == PenumbraMask::Class::Umbra ? 0.0F : 1.0F;
+            visibility[i] = !asked ? -1.0F : (found == PenumbraMask::Class::Umbra ? 0.0F : 1.0F);
         }
         counts_ =
             trace_masked(frame.ray_scene(), frame.view(), frame.light(), listed, options_, visibility, frame.control());

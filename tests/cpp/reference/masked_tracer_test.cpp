@@ -1,0 +1,200 @@
+#include "reference/masked_tracer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "base/parallel.h"
+#include "reference/scrambled_net.h"
+#include "reference/strata_board.h"
+#include "test_scenes.h"
+
+namespace penumbra {
+namespace {
+
+using test::Point;
+
+std::vector<float> trace(const Scene& scene, const Light& light, const View& view, const MaskedTraceOptions& options,
+                         MaskedTraceCounts* counts = nullptr) {
+    Control control;
+    const RayScene rays{scene, control};
+    const std::vector<std::uint8_t> listed(view.size(), 1);
+    std::vector<float> visibility(view.size(), 1.0F);
+    const MaskedTraceCounts done = trace_masked(rays, view, light, listed, options, visibility, control);
+    if (counts != nullptr) {
+        *counts = done;
+    }
+    return visibility;
+}
+
+/// Blocker at height 1 that covers x < 0, over a floor that is no caster.
+Scene half_plane() {
+    Scene scene;
+    scene.instances = {test::place(test::square(10)),
+                       test::place(test::quad({-50, -50, 1}, {0, -50, 1}, {0, 50, 1}, {-50, 50, 1}))};
+    scene.instances[0].casts = false;
+    return scene;
+}
+
+constexpr int kWidth = 48;
+
+/// A row of pixels across the penumbra of half_plane() under a light of half width 0.5 at height 2: V = x + 1/2.
+View ramp(int rows) {
+    std::vector<Point> points;
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            points.push_back({{-1.0 + 2.0 * (x + 0.5) / kWidth, 0.01 * y, 0.0}});
+        }
+    }
+    return test::view_of(points, kWidth);
+}
+
+double ramp_v(std::size_t pixel) {
+    return std::clamp(-0.5 + 2.0 * (static_cast<double>(pixel % kWidth) + 0.5) / kWidth, 0.0, 1.0);
+}
+
+// --- points ----------------------------------------------------------------------------------------------------
+
+TEST(ScrambledNet, HasOnePointInEveryBoxOfAreaOneOverN) {
+    for (const std::uint32_t key : {0U, 0xFFFFFFFFU, 0x3C6EF372U}) {
+        for (int bits = 0; bits <= 10; ++bits) {
+            const ScrambledNet net{bits, key};
+            for (int wide = 0; wide <= bits; ++wide) {
+                std::set<std::pair<std::uint32_t, std::uint32_t>> boxes;
+                for (std::uint32_t k = 0; k < (1U << bits); ++k) {
+                    const ScrambledNet::Cell at = net.point(k);
+                    boxes.emplace(at.u >> wide, at.v >> (bits - wide));
+                }
+                EXPECT_EQ(boxes.size(), 1U << bits) << bits << " " << wide;
+            }
+        }
+    }
+}
+
+TEST(ScrambledNet, NamesThePointsOfASquare) {
+    const ScrambledNet net{9, 0x9E3779B9U};
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        for (std::uint32_t j = 0; j < 8; ++j) {
+            for (std::uint32_t p = 0; p < 8; ++p) {
+                const ScrambledNet::Cell at = net.point(net.first_in(i, j, 3) + (p << 3U));
+                EXPECT_EQ(at.u >> 6U, i);
+                EXPECT_EQ(at.v >> 6U, j);
+            }
+        }
+    }
+}
+
+TEST(StrataBoard, DisagreesOnlyWhereSeenAndUnseenAreNeighbours) {
+    const Board left_half = 0x0F0F0F0F0F0F0F0FULL;
+    EXPECT_EQ(disagreeing(left_half, left_half, false), 0x1818181818181818ULL);
+    EXPECT_EQ(disagreeing(~Board{0}, ~Board{0}, false), 0U);
+    EXPECT_EQ(disagreeing(0, 0, false), 0U);
+    EXPECT_EQ(disagreeing(0, ~Board{0}, false), ~Board{0});
+    EXPECT_EQ(disagreeing(0xFFULL, 0xFFULL, true), 0x180ULL);
+    // Nothing runs over from the end of one row to the beginning of the next.
+    EXPECT_EQ(disagreeing(1ULL << 7U, 1ULL << 7U, false), (1ULL << 7U) | (1ULL << 6U) | (1ULL << 15U));
+}
+
+// --- V ---------------------------------------------------------------------------------------------------------
+
+TEST(MaskedTracer, IsRightOnAverageForEveryNumberOfRays) {
+    const Scene scene = half_plane();
+    const View view = ramp(16);
+    for (const bool line : {false, true}) {
+        const Light light = line ? test::line({0, 0, 2}, {0.5, 0, 0}) : test::rectangle({0, 0, 2}, 0.5, 0.25);
+        for (const int rays : {1, 5, 16, 17, 64, 100, 128, 256, 1000}) {
+            std::vector<double> mean(kWidth, 0.0);
+            constexpr int kSeeds = 16;
+            for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
+                const std::vector<float> v = trace(scene, light, view, {.rays = rays, .first_rays = 16, .seed = seed});
+                for (std::size_t i = 0; i < v.size(); ++i) {
+                    mean[i % kWidth] += v[i] / (16.0 * kSeeds);
+                }
+            }
+            // 256 estimates each, of which a single ray has a standard deviation of 1/2 at most.
+            const double five_errors = 5.0 * 0.5 / std::sqrt(256.0 * std::min(rays, 16));
+            for (std::size_t x = 0; x < kWidth; ++x) {
+                EXPECT_NEAR(mean[x], ramp_v(x), five_errors) << "rays " << rays << " x " << x << " line " << line;
+            }
+        }
+    }
+}
+
+TEST(MaskedTracer, OfFewPixelsAThinWireIsNotMissedOnAverage) {
+    // A wire of 1 % of the light's width, seen by one pixel only: nothing around tells of it.
+    Scene scene;
+    scene.instances = {test::place(test::square(10)),
+                       test::place(test::quad({0.1F, -5, 1}, {0.105F, -5, 1}, {0.105F, 5, 1}, {0.1F, 5, 1}))};
+    scene.instances[0].casts = false;
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.5);
+    std::vector<Point> points(81, Point{{5.0, 0, 0}});
+    points[40] = {{0.0, 0, 0}};
+    const View view = test::view_of(points, 9);
+    double mean = 0.0;
+    constexpr int kSeeds = 1000;
+    for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
+        mean += trace(scene, light, view, {.rays = 256, .first_rays = 16, .seed = seed})[40] / kSeeds;
+    }
+    EXPECT_NEAR(mean, 0.99, 5.0 * std::sqrt(0.01 / 16.0 / kSeeds));
+}
+
+TEST(MaskedTracer, SpendsFewRaysWhereNothingChanges) {
+    MaskedTraceCounts counts;
+    const View view = ramp(16);
+    trace(half_plane(), test::rectangle({0, 0, 2}, 0.5, 0.25), view, {.rays = 1024}, &counts);
+    EXPECT_EQ(counts.pixels, view.size());
+    EXPECT_LT(counts.full_pixels, view.size() * 5 / 8);  // half of them are in the penumbra
+    // In the penumbra 64 and, of 64 strata, the columns at and beside the edge: three or four of eight.
+    EXPECT_LT(counts.rays, view.size() * 16 + counts.full_pixels * (64 + 1024 / 2));
+}
+
+TEST(MaskedTracer, ErrorFallsAtLeastAsJitteredSamplesDo) {
+    const View view = ramp(64);
+    const Scene scene = half_plane();
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.25);
+    double before = 1.0;
+    for (const int rays : {16, 64, 256, 1024}) {
+        const std::vector<float> v = trace(scene, light, view, {.rays = rays, .first_rays = 16});
+        double sum = 0.0;
+        for (std::size_t i = 0; i < v.size(); ++i) {
+            sum += (v[i] - ramp_v(i)) * (v[i] - ramp_v(i));
+        }
+        const double rms = std::sqrt(sum / static_cast<double>(v.size()));
+        EXPECT_LT(rms, 0.41 * std::pow(rays, -0.75)) << rays;
+        EXPECT_LT(rms, 0.6 * before);
+        before = rms;
+    }
+}
+
+TEST(MaskedTracer, LeavesAloneWhatIsNotListed) {
+    Control control;
+    const Scene scene = half_plane();
+    const RayScene rays{scene, control};
+    const View view = ramp(8);
+    std::vector<std::uint8_t> listed(view.size(), 0);
+    std::vector<float> visibility(view.size(), -1.0F);
+    listed[kWidth / 2] = 1;
+    const MaskedTraceCounts counts =
+        trace_masked(rays, view, test::rectangle({0, 0, 2}, 0.5, 0.25), listed, {.rays = 256}, visibility, control);
+    EXPECT_EQ(counts.pixels, 1U);
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        EXPECT_EQ(visibility[i] == -1.0F, i != kWidth / 2);
+    }
+}
+
+TEST(MaskedTracer, DoesNotDependOnTheNumberOfThreads) {
+    const View view = ramp(32);
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.25);
+    set_thread_count(1);
+    const std::vector<float> one = trace(half_plane(), light, view, {.rays = 256});
+    set_thread_count(5);
+    const std::vector<float> five = trace(half_plane(), light, view, {.rays = 256});
+    set_thread_count(0);
+    EXPECT_EQ(one, five);
+}
+
+}  // namespace
+}  // namespace penumbra
