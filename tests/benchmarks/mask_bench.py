@@ -1,6 +1,6 @@
 """What the penumbra mask saves: time to an error, with rays alone, rays under the mask, and light samples.
 
-    python tests/benchmarks/mask_bench.py [--meshes DIR] [--size WxH] [--scenes a,b] [--reference-error E] [--techniques a,b]
+    python tests/benchmarks/mask_bench.py [--meshes DIR] [--size WxH] [--scenes a,b] [--techniques a,b] ...
 
 For each scene and light: every technique over its quality setting, errors against one reference, dynamic frames timed
 in turns in one run; the time at which the RMSE over the penumbra is 0.005, interpolated in logarithms; its ratio to

@@ -445,6 +445,22 @@ void PenumbraMask::classify(Frame& frame) {
     });
 }
 
+void PenumbraMask::write_stencil(Frame& frame, RenderTarget& target) const {
+    const Program& program = frame.device().programs.get({"lib/fullscreen.vert", "passes/mask_stencil.frag"});
+    target.bind();
+    glStencilMask(0xFFU);
+    target.clear_depth_stencil(0.0F, 0);
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(GL_ALWAYS, 1, 0xFFU);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    classes_.bind(0);
+    frame.fullscreen().draw(target, program);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    glDisable(GL_STENCIL_TEST);
+}
+
 std::size_t PenumbraMask::bytes() const noexcept {
     return map_.bytes() + (nearest_edge_ ? nearest_edge_.bytes() : 0) + (classes_ ? classes_.bytes() : 0) +
            edge_buffer_.bytes();

@@ -45,6 +45,11 @@ public:
     /// View space: classes of all pixels.
     void classify(Frame& frame);
 
+    /// Marks the pixels that may lie in a penumbra with 1 in the stencil of a target of the view's size, the others
+    /// with 0. A stencil test then keeps the others from being shaded at all, which `discard` does not on every
+    /// rasteriser.
+    void write_stencil(Frame& frame, RenderTarget& target) const;
+
     /// R8 of the view's size, lib/mask_class.glsl. After classify().
     [[nodiscard]] const TextureImage& classes() const noexcept { return classes_; }
     /// The same in main memory; waits for the device.

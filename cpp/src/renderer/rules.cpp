@@ -28,6 +28,10 @@ const std::vector<RuleInfo>& rules() {
          "is counted in front of what is seen and needs no caps",
          0.0},
         {"smoothie-without-width", "t is 0, so that smoothies cover no texel", 0.0},
+        {"kernel-on-one-side",
+         "the nearest and the farthest depth under the kernel lie on one side of the receiver, so all comparisons "
+         "agree",
+         0.0},
         {"mask-without-penumbra", "the light has no extent, so that no pixel lies in a penumbra to be masked", 0.0},
         {"pixel-outside-mask", "the pixel sees no surface, or one that faces away from the whole light", 0.0},
         {"reference-pixel-decided",

@@ -73,6 +73,27 @@ TEST_F(PcfGl, AKernelOfOneTexelDiffersFromTheHardMapOnlyAtEdges) {
     EXPECT_LT(share_that_differs(pcf, hard, 1e-3), 3.0 / 512.0);
 }
 
+TEST_F(PcfGl, LeavingOutComparisonsThatAgreeChangesNothing) {
+    Scene scene;
+    scene.instances.push_back(scenes::place(scenes::sheet(-20, 20, -20, 20), "ground"));
+    scene.instances.push_back(scenes::place(scenes::sphere(16, false), "ball", {0.4, 0.3, 1.2}));
+    scene.instances.push_back(scenes::place(scenes::sheet(-2, -1, -1, 1), "sheet", {0, 0, 0.4}));
+    scene.camera = scenes::camera_from_above(3.0, 160, 120);
+    for (const Light& light : {scenes::rectangle_light({0.3, -0.2, 4.0}, 1, 1), scenes::point_light({0, 0, 1.5}, 0.1),
+                               scenes::sun_light({0.6, 0.1, -0.4}, 0.1)}) {
+        scene.lights = {light};
+        for (const int kernel : {23, 24, 31, 63}) {
+            const Settings on{{"kernel", kernel}, {"map_size", 200}};
+            Settings off = on;
+            off["mask"] = false;
+            EXPECT_EQ(visibility(scene, "pcf", on), visibility(scene, "pcf", off)) << kernel;
+            renderer().set_scene(scene);
+            const Plan plan = renderer().visibility(0, {"pcf", on}, false, control_).plan;
+            EXPECT_EQ(plan.runs("depths under the kernel"), kernel >= 24);
+        }
+    }
+}
+
 TEST_F(PcfGl, NoFilterMakesAcneOnASlantedPlane) {
     Scene scene;
     scene.instances.push_back(scenes::place(scenes::sheet(-50, 50, -50, 50), "ground"));

@@ -49,6 +49,18 @@ std::vector<SettingInfo> light_samples_settings() {
                         .maximum = 65536,
                         .choices = {},
                         .sweep = {}});
+    settings.push_back({.id = "mask",
+                        .label = "Penumbra mask",
+                        .unit = "",
+                        .help = "Looks samples up only where a penumbra may be; elsewhere the light's centre decides.",
+                        .default_value = false,
+                        .minimum = 0,
+                        .maximum = 0,
+                        .choices = {},
+                        .sweep = {}});
+    for (SettingInfo& setting : PenumbraMask::settings()) {
+        settings.push_back(std::move(setting));
+    }
     return settings;
 }
 
@@ -77,7 +89,9 @@ LightSamples::LightSamples(const Settings& settings)
       seed_{static_cast<std::uint32_t>(get_int(settings, "seed"))},
       memory_cap_bytes_{static_cast<std::size_t>(get_int(settings, "memory_mib")) << 20U},
       facing_test_{get_bool(settings, "facing_test")},
-      bias_{map_bias_from(settings)} {}
+      masked_{get_bool(settings, "mask")},
+      bias_{map_bias_from(settings)},
+      mask_{PenumbraMask::options_from(settings)} {}
 
 Verdict LightSamples::supports(const Light& /*light*/) const {
     return {};
@@ -136,6 +150,17 @@ std::vector<LightSamples::Sample> LightSamples::fit_samples(const LightSummary& 
     return samples;
 }
 
+namespace {
+
+bool mask_runs(const Frame& frame) {
+    return frame.plan().runs("penumbra mask");
+}
+Define mask_define(const Frame& frame) {
+    return {"MASK", mask_runs(frame) ? "1" : "0"};
+}
+
+}  // namespace
+
 Plan LightSamples::plan(const LightSummary& summary) const {
     Plan plan;
     const LightSummary::Trivial trivial = summary.trivial();
@@ -144,6 +169,9 @@ Plan LightSamples::plan(const LightSummary& summary) const {
         plan.leave_out("lookups", trivial.rule, trivial.reason);
         plan.leave_out("mean", trivial.rule, trivial.reason);
         return plan;
+    }
+    if (masked_ && !summary.keep_everything && count_ > 1) {
+        mask_.plan(summary, plan);
     }
     plan.run("depth maps");
     if (!summary.has_extent && count_ > 1) {
@@ -164,7 +192,7 @@ void LightSamples::prepare(Frame& frame) {
     if (!frame.plan().runs("lookups")) {
         return;
     }
-    divide_ = &frame.device().programs.get({"lib/fullscreen.vert", "techniques/light_samples/divide.frag"});
+    mask_.prepare(frame);
     const LightKind kind = frame.light().kind;
     samples_ = fit_samples(frame.summary());
     sphere_ = (kind == LightKind::Point || kind == LightKind::Spot) && samples_.size() > 1;
@@ -183,6 +211,11 @@ void LightSamples::prepare(Frame& frame) {
     sums_ = TextureImage::make_2d(GL_RG32F, frame.view().width, frame.view().height, "light sample sums");
     sums_target_ = RenderTarget{"light sample sums"};
     sums_target_.attach_colour(0, sums_);
+    if (mask_runs(frame)) {
+        stencil_ = TextureImage::make_2d(GL_DEPTH24_STENCIL8, frame.view().width, frame.view().height,
+                                         "light samples' penumbra mask");
+        sums_target_.attach_depth(stencil_);
+    }
 }
 
 void LightSamples::render_maps(Frame& frame, std::size_t index, int first_layer) {
@@ -195,6 +228,7 @@ void LightSamples::render_maps(Frame& frame, std::size_t index, int first_layer)
 }
 
 void LightSamples::update(Frame& frame) {
+    mask_.update(frame);
     frame.step("depth maps", [&] {
         samples_ = fit_samples(frame.summary());
         if (keep_maps_) {
@@ -224,14 +258,23 @@ void LightSamples::accumulate(Frame& frame, const Sample& sample, int first_laye
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glBlendFunc(GL_ONE, GL_ONE);
+    if (mask_runs(frame)) {
+        glEnable(GL_STENCIL_TEST);
+        glStencilFunc(GL_EQUAL, 1, 0xFFU);
+    }
     frame.fullscreen().draw(sums_target_, program);
+    glDisable(GL_STENCIL_TEST);
     glDisable(GL_BLEND);
 }
 
 void LightSamples::resolve(Frame& frame) {
+    mask_.classify(frame);
     frame.step("lookups", [&] {
         sums_target_.bind();
         sums_target_.clear_colour(0, glm::vec4{0.0F});
+        if (mask_runs(frame)) {
+            mask_.write_stencil(frame, sums_target_);
+        }
         frame.bind_view();
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             frame.control().check();
@@ -248,12 +291,33 @@ void LightSamples::resolve(Frame& frame) {
     frame.step("mean", [&] {
         sums_.bind(0);
         glDisable(GL_BLEND);
-        frame.write_visibility_with(*divide_);
+        if (mask_runs(frame)) {
+            mask_.classes().bind(4);
+        }
+        frame.write_visibility_with(frame.device().programs.get(
+            {"lib/fullscreen.vert", "techniques/light_samples/divide.frag"}, {mask_define(frame)}));
     });
 }
 
 std::size_t LightSamples::memory_bytes() const noexcept {
-    return maps_.bytes() + (sums_ ? sums_.bytes() : 0);
+    return maps_.bytes() + (sums_ ? sums_.bytes() : 0) + (stencil_ ? stencil_.bytes() : 0) + mask_.bytes();
+}
+
+std::vector<Statistic> LightSamples::statistics(Frame& frame) {
+    if (!mask_runs(frame)) {
+        return {};
+    }
+    std::vector<std::uint8_t> classes(frame.view().size());
+    mask_.read_classes(classes);
+    return PenumbraMask::statistics(frame.summary(), classes);
+}
+
+std::vector<DebugView> LightSamples::debug_views(const Plan& plan) const {
+    return plan.runs("penumbra mask") ? PenumbraMask::debug_views() : std::vector<DebugView>{};
+}
+
+DebugImage LightSamples::debug_image(Frame& frame, std::string_view id) {
+    return mask_.debug_image(frame, id);
 }
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 
 #include "passes/depth_map.h"
 #include "passes/map_bias.h"
+#include "passes/penumbra_mask.h"
 #include "penumbra/technique.h"
 #include "techniques/light_samples/sample_points.h"
 
@@ -22,6 +23,9 @@ public:
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
     [[nodiscard]] std::size_t memory_bytes() const noexcept override;
+    [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
+    [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
+    [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
 
 private:
     struct Sample {
@@ -41,7 +45,9 @@ private:
     std::uint32_t seed_;
     std::size_t memory_cap_bytes_;
     bool facing_test_;
+    bool masked_;
     MapBias bias_;
+    PenumbraMask mask_;
 
     bool sphere_ = false;     ///< sampled all over its surface, so samples carry weights
     bool keep_maps_ = false;  ///< all maps stay, so that a static frame is lookups alone
@@ -49,8 +55,8 @@ private:
     DepthMap maps_;
     MapSetup setup_;
     TextureImage sums_;
+    TextureImage stencil_;  ///< of pixels under the mask
     RenderTarget sums_target_;
-    const Program* divide_ = nullptr;
 };
 
 }  // namespace penumbra

@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::array kFilters{"2x2", "bicubic16", "bicubic4", "box"};
 
+constexpr int kBox = 3;
+constexpr int kLeastMaskedKernel = 24;  // below, finding the range of depths costs about what it saves
+
 int filter_index(const Settings& settings) {
     const std::string& filter = get_choice(settings, "filter");
     for (std::size_t i = 0; i < kFilters.size(); ++i) {
@@ -28,7 +31,7 @@ double reach_texels(const Settings& settings) {
     if (filter == 0) {
         return 2.0;
     }
-    return filter == 3 ? 0.5 * get_int(settings, "kernel") + 2.0 : 4.0;
+    return filter == kBox ? 0.5 * get_int(settings, "kernel") + 2.0 : 4.0;
 }
 
 std::vector<SettingInfo> pcf_settings() {
@@ -51,6 +54,16 @@ std::vector<SettingInfo> pcf_settings() {
                         .maximum = 63,
                         .choices = {},
                         .sweep = {3, 5, 7, 15, 31}});
+    settings.push_back(
+        {.id = "mask",
+         .label = "Mask",
+         .unit = "",
+         .help = "Box filter: compares only where nearest and farthest depth under the kernel leave it open.",
+         .default_value = true,
+         .minimum = 0,
+         .maximum = 0,
+         .choices = {},
+         .sweep = {}});
     return settings;
 }
 
@@ -73,6 +86,8 @@ const TechniqueInfo& Pcf::description() {
 Pcf::Pcf(const Settings& settings)
     : filter_{filter_index(settings)},
       kernel_{get_int(settings, "kernel")},
+      mask_{get_bool(settings, "mask") && filter_ == kBox && kernel_ >= kLeastMaskedKernel &&
+            map_bias_from(settings).mode != MapBias::Mode::ReceiverPlane},
       map_{{.size_px = get_int(settings, "map_size"),
             .bias = map_bias_from(settings),
             .facing_test = get_bool(settings, "facing_test"),
@@ -84,12 +99,19 @@ Verdict Pcf::supports(const Light& /*light*/) const {
 
 Plan Pcf::plan(const LightSummary& summary) const {
     Plan plan;
-    map_.plan(summary, "filtered lookup", plan);
+    if (map_.plan(summary, "filtered lookup", plan) && mask_ && !summary.keep_everything) {
+        plan.run("depths under the kernel");
+        plan.leave_out("comparisons that agree", "kernel-on-one-side",
+                       "where all depths under the kernel lie on one side of the receiver, one answer serves for all " +
+                           std::to_string((kernel_ + 1) * (kernel_ + 1)));
+    }
     return plan;
 }
 
 const Program& Pcf::lookup(Frame& frame) const {
-    return map_.lookup(frame, "techniques/pcf/pcf.frag", {{"FILTER", std::to_string(filter_)}});
+    const bool masked = frame.plan().runs("depths under the kernel");
+    return map_.lookup(frame, "techniques/pcf/pcf.frag",
+                       {{"FILTER", std::to_string(filter_)}, {"MASK", masked ? "1" : "0"}});
 }
 
 void Pcf::prepare(Frame& frame) {
@@ -111,6 +133,7 @@ void Pcf::prepare(Frame& frame) {
 void Pcf::update(Frame& frame) {
     if (frame.plan().runs("filtered lookup")) {
         map_.update(frame);
+        frame.step("depths under the kernel", [&] { range_.update(frame, map_.texture(), kernel_ + 1); });
     }
 }
 
@@ -122,6 +145,9 @@ void Pcf::resolve(Frame& frame) {
             program.set("kernel", kernel_);
         }
         map_.texture().bind(3);
+        if (range_.texture()) {
+            range_.texture().bind(4);
+        }
         glBindSampler(3, compare_sampler_.name());
         frame.resolve_with(program);
         glBindSampler(3, 0);

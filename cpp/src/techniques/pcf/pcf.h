@@ -1,6 +1,7 @@
 #pragma once
 
 #include "passes/centre_map.h"
+#include "passes/window_range.h"
 #include "penumbra/technique.h"
 
 namespace penumbra {
@@ -20,14 +21,16 @@ public:
     void prepare(Frame& frame) override;
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
-    [[nodiscard]] std::size_t memory_bytes() const noexcept override { return map_.bytes(); }
+    [[nodiscard]] std::size_t memory_bytes() const noexcept override { return map_.bytes() + range_.bytes(); }
     [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
     [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
 
 private:
     int filter_;  ///< index of the choice; FILTER in pcf.frag
     int kernel_;
+    bool mask_;  ///< asked for, and of use to the filter and bias
     CentreMap map_;
+    WindowRange range_;
     Sampler compare_sampler_;
     [[nodiscard]] const Program& lookup(Frame& frame) const;
 };
