@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/job_words.h"
 #include "geometry/simplify.h"
 #include "penumbra/renderer.h"
 #include "support/obj.h"
@@ -46,29 +47,6 @@ Scene over_ground(const std::shared_ptr<const Mesh>& mesh) {
     scene.camera.tan_half_width = 0.4;
     scene.camera.width_px = scene.camera.height_px = kSide_px;
     return scene;
-}
-
-Job job_from(const std::string& words) {
-    Job job;
-    std::size_t at = words.find(',');
-    job.technique = words.substr(0, at);
-    while (at != std::string::npos) {
-        const std::size_t next = words.find(',', at + 1);
-        const std::string setting = words.substr(at + 1, next - at - 1);
-        const std::size_t equal = setting.find('=');
-        const std::string value = setting.substr(equal + 1);
-        SettingValue parsed = value;
-        if (value == "true" || value == "false") {
-            parsed = value == "true";
-        } else if (value.find_first_not_of("0123456789") == std::string::npos) {
-            parsed = std::stoi(value);
-        } else if (value.find_first_not_of("0123456789.e-") == std::string::npos) {
-            parsed = std::stod(value);
-        }
-        job.settings[setting.substr(0, equal)] = parsed;
-        at = next;
-    }
-    return job;
 }
 
 void compare(const std::string& name, const std::shared_ptr<const Mesh>& mesh, const std::vector<std::string>& words) {

@@ -45,7 +45,7 @@ DebugImage volume_picture(Frame& frame, VolumePass& volumes, std::string_view id
                         std::to_string(static_cast<int>(most));
         return image;
     }
-    const std::vector<std::int32_t> counts = volumes.read_counts(frame);
+    const std::vector<std::int32_t> counts = volumes.read_counts();
     std::int32_t most = 1;
     for (std::size_t i = 0; i < counts.size(); ++i) {
         most = std::max(most, frame.view().hit(i) ? std::abs(counts[i]) : 0);

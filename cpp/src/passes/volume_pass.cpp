@@ -12,7 +12,6 @@ namespace penumbra {
 
 namespace {
 
-constexpr int kMaskBit = 0x80;
 /// In an orthographic view what casts from nearer than this share of the farthest receiver's distance to the light
 /// casts a shadow that ends before that receiver.
 constexpr double kShortest = 1e-4;
@@ -240,7 +239,12 @@ void VolumePass::extract(Frame& frame) {
     glVertexArrayBindingDivisor(vao, 1, 1);
     glEnableVertexArrayAttrib(vao, 1);
     glVertexArrayElementBuffer(vao, indices_.name());
-    decide_counting(frame);
+    in_image_ = options_.counting == Counting::Image ||
+                (options_.counting == Counting::Auto && most_layers_ >= stencil_limit());
+    const View& view = frame.view();
+    if (in_image_ && (!counts_ || counts_.width() != view.width || counts_.height() != view.height)) {
+        counts_ = TextureImage::make_2d(GL_R32I, view.width, view.height, "volume counts");
+    }
 }
 
 void VolumePass::find_on_cpu(Frame& frame, const glm::dvec4& light_ws) {
@@ -326,19 +330,14 @@ void VolumePass::bound_layers(const Frame& frame, const glm::dvec4& light_ws) {
     most_layers_ = std::min<std::uint64_t>(most_layers_, bound.most());
 }
 
-void VolumePass::decide_counting(const Frame& frame) {
-    in_image_ = options_.counting == Counting::Image ||
-                (options_.counting == Counting::Auto && most_layers_ >= stencil_limit());
-    const TextureImage& depth = frame.view_pass().depth_stencil();
-    if (!target_ || target_depth_ != depth.name()) {
+void VolumePass::aim_at(const TextureImage& depth_stencil) {
+    if (!target_ || target_depth_ != depth_stencil.name()) {
         target_ = RenderTarget{"volume counts"};
-        target_.attach_depth(depth);
-        target_depth_ = depth.name();
-        glTextureParameteri(depth.name(), GL_DEPTH_STENCIL_TEXTURE_MODE, GL_STENCIL_INDEX);
+        target_.attach_depth(depth_stencil);
+        target_depth_ = depth_stencil.name();
+        glTextureParameteri(depth_stencil.name(), GL_DEPTH_STENCIL_TEXTURE_MODE, GL_STENCIL_INDEX);
     }
-    if (in_image_ && (!counts_ || counts_.width() != depth.width() || counts_.height() != depth.height())) {
-        counts_ = TextureImage::make_2d(GL_R32I, depth.width(), depth.height(), "volume counts");
-    }
+    counted_ = &depth_stencil;
 }
 
 void VolumePass::set_uniforms(Frame& frame, const Program& program) {
@@ -358,22 +357,28 @@ void VolumePass::issue(const Group& group) const {
                                 static_cast<GLsizei>(group.count), 0);
 }
 
-void VolumePass::count(Frame& frame, bool masked) {
+void VolumePass::count(Frame& frame, const VolumeMask& mask) {
+    using Kind = VolumeMask::Kind;
     Defines defines;
     if (in_image_) {
         defines.push_back({"COUNT_IN_IMAGE"});
-        if (masked) {
-            defines.push_back({"MASK_BY_CLASS"});
-        }
         counts_.clear(glm::ivec4{0});
         counts_.bind_image(0, GL_READ_WRITE);
     }
+    if (mask.kind == Kind::Class) {
+        defines.push_back({"MASK_BY_CLASS"});
+        mask.classes->bind(1);
+    }
     const Program& program = frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, defines);
     set_uniforms(frame, program);
+    if (mask.kind == Kind::Class) {
+        program.set("wanted_class", mask.wanted);
+    }
+    aim_at(mask.kind == Kind::DepthBounds ? *mask.depth_stencil : frame.view_pass().depth_stencil());
     target_.bind();
     program.use();
-    if (!masked && !in_image_) {
-        glStencilMask(0xFF);
+    const bool by_bit = mask.kind == Kind::Stencil;
+    if (!by_bit && !in_image_) {
         const GLint zero = 0;
         glClearNamedFramebufferiv(target_.name(), GL_STENCIL, 0, &zero);
     }
@@ -386,10 +391,14 @@ void VolumePass::count(Frame& frame, bool masked) {
     glScissor(scissor_.x, scissor_.y, scissor_.z, scissor_.w);
     glBindVertexArray(vertex_array_.name());
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
-    if (!in_image_) {
+    if (!in_image_ || by_bit) {
         glEnable(GL_STENCIL_TEST);
-        glStencilFunc(masked ? GL_EQUAL : GL_ALWAYS, kMaskBit, kMaskBit);
-        glStencilMask(masked ? 0x7F : 0xFF);
+        glStencilFunc(by_bit ? GL_EQUAL : GL_ALWAYS, VolumeMask::kBit, VolumeMask::kBit);
+        glStencilMask(in_image_ ? 0 : by_bit ? 0x7F : 0xFF);
+    }
+    if (mask.kind == Kind::DepthBounds) {
+        glEnable(GL_DEPTH_BOUNDS_TEST_EXT);
+        glDepthBoundsEXT(std::numeric_limits<float>::min(), 1.0);  // reversed depth: nothing seen is at 0
     }
     for (const Group& group : groups_) {
         if (in_image_) {
@@ -406,6 +415,9 @@ void VolumePass::count(Frame& frame, bool masked) {
         issue(group);
     }
     glBindVertexArray(0);
+    if (mask.kind == Kind::DepthBounds) {
+        glDisable(GL_DEPTH_BOUNDS_TEST_EXT);
+    }
     glDisable(GL_STENCIL_TEST);
     glStencilMask(0xFF);
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
@@ -421,23 +433,19 @@ void VolumePass::count(Frame& frame, bool masked) {
     }
 }
 
-void VolumePass::bind_counts(Frame& frame, GLuint unit) const {
-    if (in_image_) {
-        counts_.bind(unit);
-    } else {
-        frame.view_pass().depth_stencil().bind(unit);
-    }
+void VolumePass::bind_counts(GLuint unit) const {
+    (in_image_ ? counts_ : *counted_).bind(unit);
 }
 
-std::vector<std::int32_t> VolumePass::read_counts(Frame& frame) const {
+std::vector<std::int32_t> VolumePass::read_counts() const {
     if (in_image_) {
         return counts_.read<std::int32_t>();
     }
-    const TextureImage& depth = frame.view_pass().depth_stencil();
-    std::vector<std::uint8_t> stencil(static_cast<std::size_t>(depth.width()) * depth.height());
+    const auto width = static_cast<std::size_t>(counted_->width());
+    std::vector<std::uint8_t> stencil(width * static_cast<std::size_t>(counted_->height()));
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.name());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, depth.width(), depth.height(), GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil.data());
+    glReadPixels(0, 0, counted_->width(), counted_->height(), GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil.data());
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     return {stencil.begin(), stencil.end()};
 }

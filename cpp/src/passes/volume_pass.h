@@ -30,6 +30,21 @@ class Program;
 /// rays come from behind it without end.
 [[nodiscard]] bool eye_is_outside(const Bounds& caster_ws, const Camera& camera, const Light& light);
 
+/// Where volumes are counted: a computation mask [Chan2004]. Elsewhere counts are 0, or mean nothing.
+struct VolumeMask {
+    enum class Kind {
+        None,
+        Stencil,      ///< where the view's stencil is kBit: the caller has cleared and written it; 7 bits count
+        Class,        ///< where `classes` is `wanted`, by the fragment shader
+        DepthBounds,  ///< where `depth_stencil`, a copy of the view's, is not 0 (GL_EXT_depth_bounds_test)
+    };
+    static constexpr int kBit = 0x80;
+    Kind kind = Kind::None;
+    const TextureImage* classes = nullptr;
+    unsigned wanted = 0;
+    const TextureImage* depth_stencil = nullptr;
+};
+
 /// Shadow volumes [Crow1977] of chosen casters, counted against the camera's depth: at every pixel how many of their
 /// triangles the segment from the light to the visible point crosses. Exact per pixel, without bias: near caps fall on
 /// the surfaces themselves bit by bit, and there the depth test fails.
@@ -62,17 +77,16 @@ public:
     /// Facings, edges and index lists for the light's centre.
     void extract(Frame& frame);
 
-    /// Counts at every pixel of the light's mask. Leaves textures, buffers and all state but program and bindings as
-    /// they were. Uses the stencil of the view's depth; the stencil is cleared unless it holds a mask.
-    /// @param masked  count only where the stencil is 128 (the caller has written it), or where `classes` says so
-    /// @param scissors  nothing outside of these is touched; empty: the rectangle around the light's mask
-    void count(Frame& frame, bool masked);
+    /// Counts at every pixel of the light's mask, or at those that `mask` lets through. Leaves textures, buffers and
+    /// all state but program and bindings as they were. Counts in the stencil of the view's depth, which it clears
+    /// unless that holds a mask.
+    void count(Frame& frame, const VolumeMask& mask = {});
     /// After count(): the counts at texture unit `unit`, as usampler2D (stencil) or isampler2D (COUNTS_IN_IMAGE).
-    void bind_counts(Frame& frame, GLuint unit) const;
+    void bind_counts(GLuint unit) const;
     [[nodiscard]] bool in_image() const noexcept { return in_image_; }
 
     /// The same in main memory, after count(); waits for the device.
-    [[nodiscard]] std::vector<std::int32_t> read_counts(Frame& frame) const;
+    [[nodiscard]] std::vector<std::int32_t> read_counts() const;
 
     /// All volumes' triangles with a program that has volume.vert, the state being the caller's: debug pictures.
     void draw(Frame& frame, const Program& program);
@@ -103,7 +117,7 @@ private:
     void send_vertices(const GpuScene& gpu_scene);
     void find_on_cpu(Frame& frame, const glm::dvec4& light_ws);
     void bound_layers(const Frame& frame, const glm::dvec4& light_ws);
-    void decide_counting(const Frame& frame);
+    void aim_at(const TextureImage& depth_stencil);
     [[nodiscard]] std::uint64_t stencil_limit() const noexcept {
         return std::uint64_t{1} << static_cast<unsigned>(options_.stencil_bits);
     }
@@ -125,7 +139,8 @@ private:
     VertexArray vertex_array_;
     TextureImage counts_;
     RenderTarget target_;
-    GLuint target_depth_ = 0;  ///< the texture that target_ has
+    GLuint target_depth_ = 0;                ///< the texture that target_ has
+    const TextureImage* counted_ = nullptr;  ///< whose stencil holds the counts
 };
 
 /// The settings of every technique that has a VolumePass: silhouettes, faces, counting.

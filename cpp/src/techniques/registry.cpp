@@ -3,6 +3,7 @@
 
 #include "penumbra/error.h"
 #include "penumbra/technique.h"
+#include "techniques/hybrid/hybrid.h"
 #include "techniques/light_samples/light_samples.h"
 #include "techniques/linear_light_maps/linear_light_maps.h"
 #include "techniques/masked_rays/masked_rays.h"
@@ -31,8 +32,9 @@ Entry entry() {
 /// In the order users see them. A new technique is one line here and one folder.
 const std::vector<Entry>& entries() {
     static const std::vector<Entry> table{
-        entry<ShadowMap>(), entry<ShadowVolume>(),    entry<Pcf>(),          entry<Smoothies>(), entry<PenumbraMaps>(),
-        entry<Plateaus>(),  entry<LinearLightMaps>(), entry<LightSamples>(), entry<RayTraced>(), entry<MaskedRays>(),
+        entry<ShadowMap>(),    entry<ShadowVolume>(), entry<Hybrid>(),     entry<Pcf>(),
+        entry<Smoothies>(),    entry<PenumbraMaps>(), entry<Plateaus>(),   entry<LinearLightMaps>(),
+        entry<LightSamples>(), entry<RayTraced>(),    entry<MaskedRays>(),
     };
     return table;
 }

@@ -46,12 +46,12 @@ void ShadowVolume::update(Frame& frame) {
 }
 
 void ShadowVolume::resolve(Frame& frame) {
-    frame.step("count", [&] { volumes_.count(frame, false); });
+    frame.step("count", [&] { volumes_.count(frame); });
     frame.step("lookup", [&] {
         const Program& lookup =
             frame.device().programs.get({"lib/fullscreen.vert", "techniques/shadow_volume/shadow_volume.frag"},
                                         volumes_.in_image() ? Defines{{"COUNT_IN_IMAGE"}} : Defines{});
-        volumes_.bind_counts(frame, 2);
+        volumes_.bind_counts(2);
         frame.resolve_with(lookup);
     });
 }
