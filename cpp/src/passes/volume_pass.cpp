@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "geometry/layer_bound.h"
 #include "passes/frame.h"
 #include "scene/setting_forms.h"
@@ -224,11 +225,9 @@ void VolumePass::prepare(Frame& frame) {
     }
 }
 
-void VolumePass::extract(Frame& frame) {
-    const glm::dvec4 light_ws = centre_of(frame.light());
-    find_on_cpu(frame, light_ws);
-    vertex_array_ = VertexArray::create();
-    const GLuint vao = vertex_array_.name();
+VertexArray VolumePass::make_vertex_array(const StorageBuffer& indices) const {
+    VertexArray made = VertexArray::create();
+    const GLuint vao = made.name();
     glVertexArrayVertexBuffer(vao, 0, vertices_.name(), 0, sizeof(glm::vec4));
     glVertexArrayAttribFormat(vao, 0, 4, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(vao, 0, 0);
@@ -238,7 +237,14 @@ void VolumePass::extract(Frame& frame) {
     glVertexArrayAttribBinding(vao, 1, 1);
     glVertexArrayBindingDivisor(vao, 1, 1);
     glEnableVertexArrayAttrib(vao, 1);
-    glVertexArrayElementBuffer(vao, indices_.name());
+    glVertexArrayElementBuffer(vao, indices.name());
+    return made;
+}
+
+void VolumePass::extract(Frame& frame) {
+    const glm::dvec4 light_ws = centre_of(frame.light());
+    find_on_cpu(frame, light_ws);
+    vertex_array_ = make_vertex_array(indices_);
     in_image_ = options_.counting == Counting::Image ||
                 (options_.counting == Counting::Auto && most_layers_ >= stencil_limit());
     const View& view = frame.view();
@@ -291,7 +297,8 @@ void VolumePass::find_on_cpu(Frame& frame, const glm::dvec4& light_ws) {
     const auto key = [](const Found& found) { return (found.group.z_pass ? 2 : 0) + (found.group.clockwise ? 1 : 0); };
     std::ranges::stable_sort(all, {}, key);
     groups_.clear();
-    std::vector<DrawCommand> commands;
+    std::vector<DrawCommand>& commands = drawn_;
+    commands.clear();
     for (const Found& found : all) {
         if (groups_.empty() || groups_.back().clockwise != found.group.clockwise ||
             groups_.back().z_pass != found.group.z_pass) {
@@ -357,6 +364,170 @@ void VolumePass::issue(const Group& group) const {
                                 static_cast<GLsizei>(group.count), 0);
 }
 
+void VolumePass::set_state(const Group& group, const Program& program) const {
+    if (in_image_) {
+        // Fragments that fail the z-fail test's comparison, or pass z-pass's.
+        glDepthFunc(group.z_pass ? GL_GREATER : GL_LEQUAL);
+        program.set("front_adds", group.z_pass ? 1 : -1);
+        return;
+    }
+    glDepthFunc(GL_GREATER);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, group.z_pass ? GL_KEEP : GL_DECR_WRAP,
+                        group.z_pass ? GL_INCR_WRAP : GL_KEEP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, group.z_pass ? GL_KEEP : GL_INCR_WRAP, group.z_pass ? GL_DECR_WRAP : GL_KEEP);
+}
+
+void VolumePass::sort_into_tiles(Frame& frame, const TileGrid& grid) {
+    std::vector<std::int32_t> rectangle_of;
+    const std::vector<TileRectangle> rectangles = rectangles_of(grid, rectangle_of);
+    // Clip positions of all vertices of all slots, as the vertex shader has them but for rounding.
+    const GpuScene& gpu_scene = frame.gpu_scene();
+    const glm::dvec3 eye_ws = frame.summary().eye_ws;
+    const glm::dvec4 light_ws = centre_of(frame.light());
+    const glm::dvec4 light{glm::dvec3{light_ws} - light_ws.w * eye_ws, light_ws.w};
+    const double share = far_share(frame.summary(), light_ws);
+    const glm::dmat4 clip = clip_from_rel(frame.scene().camera);
+    std::map<std::uint32_t, std::vector<glm::dvec4>> placed;
+    for (const Slot& slot : slots_) {
+        glm::dmat4 m = gpu_scene.world_from_recentred(slot.instance);
+        m[3] -= glm::dvec4{eye_ws, 0.0};
+        const Mesh& mesh = *meshes_[slot.mesh];
+        const glm::dvec3 centre = gpu_scene.mesh_ranges()[slot.mesh].centre_local;
+        std::vector<glm::dvec4>& positions = placed[slot.instance];
+        positions.resize(2 * mesh.positions_local.size());
+        for (std::size_t v = 0; v < mesh.positions_local.size(); ++v) {
+            const glm::dvec3 p{m * glm::dvec4{glm::dvec3{mesh.positions_local[v]} - centre, 1.0}};
+            positions[2 * v] = clip * glm::dvec4{p, 1.0};
+            const glm::dvec3 along = light.w * p - glm::dvec3{light};
+            positions[2 * v + 1] = clip * glm::dvec4{along + share * (light.w > 0.5 ? glm::dvec3{light} : p), share};
+        }
+    }
+    // Which triangles each rectangle draws, in pieces so that threads share the work.
+    struct Piece {
+        std::uint32_t command = 0, first = 0, count = 0;
+        std::vector<glm::uvec2> pairs;  ///< rectangle, triangle of the index list
+    };
+    std::vector<Piece> pieces;
+    constexpr std::uint32_t kPiece = 2048;
+    for (std::uint32_t c = 0; c < drawn_.size(); ++c) {
+        for (std::uint32_t first = 0; first < drawn_[c].count / 3; first += kPiece) {
+            pieces.push_back({c, first, std::min(kPiece, drawn_[c].count / 3 - first), {}});
+        }
+    }
+    std::vector<std::uint8_t> z_pass(drawn_.size(), 0);
+    for (const Group& group : groups_) {
+        std::fill_n(z_pass.begin() + static_cast<std::ptrdiff_t>(group.first), group.count, group.z_pass ? 1 : 0);
+    }
+    parallel_for(
+        static_cast<std::int64_t>(pieces.size()), 1,
+        [&](std::int64_t begin, std::int64_t end) {
+            TileWalker walker{grid};
+            std::vector<std::uint32_t> tiles;
+            std::vector<std::uint32_t> last(rectangles.size(), 0xffffffffU);
+            for (auto i = begin; i < end; ++i) {
+                Piece& piece = pieces[static_cast<std::size_t>(i)];
+                const DrawCommand& command = drawn_[piece.command];
+                const std::vector<glm::dvec4>& positions = placed.at(command.base_instance);
+                const std::uint32_t base =
+                    2 * gpu_scene.mesh_ranges()[gpu_scene.mesh_of_instance(command.base_instance)].first_vertex;
+                std::ranges::fill(last, 0xffffffffU);
+                for (std::uint32_t t = piece.first; t < piece.first + piece.count; ++t) {
+                    const std::uint32_t* corner = found_indices_.data() + command.first_index + 3 * t;
+                    tiles.clear();
+                    walker.walk(positions[corner[0] - base], positions[corner[1] - base], positions[corner[2] - base],
+                                z_pass[piece.command] != 0, tiles);
+                    for (const std::uint32_t tile : tiles) {
+                        const auto rectangle = static_cast<std::uint32_t>(rectangle_of[tile]);
+                        if (last[rectangle] != t) {
+                            last[rectangle] = t;
+                            piece.pairs.emplace_back(rectangle, command.first_index / 3 + t);
+                        }
+                    }
+                }
+            }
+        },
+        frame.control());
+
+    // By rectangle, then by command, which is the order of the groups.
+    std::vector<std::uint32_t> first_of(rectangles.size() + 1, 0);
+    for (const Piece& piece : pieces) {
+        for (const glm::uvec2& pair : piece.pairs) {
+            ++first_of[pair.x + 1];
+        }
+    }
+    for (std::size_t i = 1; i < first_of.size(); ++i) {
+        first_of[i] += first_of[i - 1];
+    }
+    std::vector<std::uint32_t> next(first_of.begin(), first_of.end() - 1);
+    std::vector<glm::uvec2> sorted(first_of.back());  // triangle, command
+    for (const Piece& piece : pieces) {
+        for (const glm::uvec2& pair : piece.pairs) {
+            sorted[next[pair.x]++] = {pair.y, piece.command};
+        }
+    }
+    std::vector<std::uint32_t> indices(3 * sorted.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        std::copy_n(found_indices_.begin() + 3 * static_cast<std::ptrdiff_t>(sorted[i].x), 3,
+                    indices.begin() + 3 * static_cast<std::ptrdiff_t>(i));
+    }
+    drawn_in_tiles_ = sorted.size();
+    std::vector<std::uint32_t> group_of(drawn_.size(), 0);
+    for (std::uint32_t g = 0; g < groups_.size(); ++g) {
+        std::fill_n(group_of.begin() + static_cast<std::ptrdiff_t>(groups_[g].first), groups_[g].count, g);
+    }
+    std::vector<DrawCommand> commands;
+    cells_.clear();
+    for (std::size_t r = 0; r < rectangles.size(); ++r) {
+        if (first_of[r] == first_of[r + 1]) {
+            continue;
+        }
+        constexpr int kTile = TileGrid::kTile_px;
+        const TileRectangle& rectangle = rectangles[r];
+        Cell cell;
+        cell.scissor = {rectangle.column * kTile, rectangle.row * kTile, rectangle.columns * kTile,
+                        rectangle.rows * kTile};
+        std::uint32_t last_command = 0xffffffffU;
+        std::uint32_t last_group = 0xffffffffU;
+        for (std::uint32_t i = first_of[r]; i < first_of[r + 1]; ++i) {
+            const std::uint32_t command = sorted[i].y;
+            if (command != last_command) {
+                if (group_of[command] != last_group) {
+                    last_group = group_of[command];
+                    cell.groups.push_back(groups_[last_group]);
+                    cell.groups.back().first = commands.size();
+                    cell.groups.back().count = 0;
+                }
+                ++cell.groups.back().count;
+                commands.push_back({0, 1, 3 * i, 0, drawn_[command].base_instance});
+                last_command = command;
+            }
+            commands.back().count += 3;
+        }
+        cells_.push_back(std::move(cell));
+    }
+    cell_indices_ = StorageBuffer::from(indices, "volume indices by tiles");
+    cell_commands_ = StorageBuffer::from(commands, "volume draws by tiles");
+    cell_vertex_array_ = make_vertex_array(cell_indices_);
+}
+
+void VolumePass::draw_in_tiles(const Program& program) const {
+    glBindVertexArray(cell_vertex_array_.name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, cell_commands_.name());
+    for (const Cell& cell : cells_) {
+        const glm::ivec2 low = glm::max(glm::ivec2{cell.scissor}, glm::ivec2{scissor_});
+        const glm::ivec2 high = glm::min(glm::ivec2{cell.scissor} + glm::ivec2{cell.scissor.z, cell.scissor.w},
+                                         glm::ivec2{scissor_} + glm::ivec2{scissor_.z, scissor_.w});
+        if (low.x >= high.x || low.y >= high.y) {
+            continue;
+        }
+        glScissor(low.x, low.y, high.x - low.x, high.y - low.y);
+        for (const Group& group : cell.groups) {
+            set_state(group, program);
+            issue(group);
+        }
+    }
+}
+
 void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     using Kind = VolumeMask::Kind;
     Defines defines;
@@ -371,6 +542,9 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     }
     const Program& program = frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, defines);
     set_uniforms(frame, program);
+    if (mask.tiles != nullptr) {
+        sort_into_tiles(frame, *mask.tiles);
+    }
     if (mask.kind == Kind::Class) {
         program.set("wanted_class", mask.wanted);
     }
@@ -400,19 +574,13 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
         glEnable(GL_DEPTH_BOUNDS_TEST_EXT);
         glDepthBoundsEXT(std::numeric_limits<float>::min(), 1.0);  // reversed depth: nothing seen is at 0
     }
-    for (const Group& group : groups_) {
-        if (in_image_) {
-            // Fragments that fail the z-fail test's comparison, or pass z-pass's.
-            glDepthFunc(group.z_pass ? GL_GREATER : GL_LEQUAL);
-            program.set("front_adds", group.z_pass ? 1 : -1);
-        } else {
-            glDepthFunc(GL_GREATER);
-            glStencilOpSeparate(GL_FRONT, GL_KEEP, group.z_pass ? GL_KEEP : GL_DECR_WRAP,
-                                group.z_pass ? GL_INCR_WRAP : GL_KEEP);
-            glStencilOpSeparate(GL_BACK, GL_KEEP, group.z_pass ? GL_KEEP : GL_INCR_WRAP,
-                                group.z_pass ? GL_DECR_WRAP : GL_KEEP);
+    if (mask.tiles != nullptr) {
+        draw_in_tiles(program);
+    } else {
+        for (const Group& group : groups_) {
+            set_state(group, program);
+            issue(group);
         }
-        issue(group);
     }
     glBindVertexArray(0);
     if (mask.kind == Kind::DepthBounds) {

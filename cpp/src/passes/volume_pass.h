@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/shadow_volume.h"
+#include "geometry/volume_tiles.h"
 #include "gl/buffer.h"
 #include "gl/framebuffer.h"
 #include "gl/handles.h"
@@ -43,6 +44,8 @@ struct VolumeMask {
     const TextureImage* classes = nullptr;
     unsigned wanted = 0;
     const TextureImage* depth_stencil = nullptr;
+    /// Nothing need be drawn but in its wanted tiles; nullptr: everywhere. A pre-filter: combine it with another kind.
+    const TileGrid* tiles = nullptr;
 };
 
 /// Shadow volumes [Crow1977] of chosen casters, counted against the camera's depth: at every pixel how many of their
@@ -95,6 +98,8 @@ public:
 
     /// The largest count that any pixel can have; exact or too large.
     [[nodiscard]] std::uint64_t most_layers() const noexcept { return most_layers_; }
+    /// Triangles times rectangles of the last count() with tiles.
+    [[nodiscard]] std::uint64_t drawn_in_tiles() const noexcept { return drawn_in_tiles_; }
     [[nodiscard]] std::uint64_t triangle_count() const noexcept { return triangle_count_; }
     [[nodiscard]] std::size_t bytes() const noexcept;
 
@@ -122,6 +127,10 @@ private:
         return std::uint64_t{1} << static_cast<unsigned>(options_.stencil_bits);
     }
     void set_uniforms(Frame& frame, const Program& program);
+    [[nodiscard]] VertexArray make_vertex_array(const StorageBuffer& indices) const;
+    void set_state(const Group& group, const Program& program) const;
+    void sort_into_tiles(Frame& frame, const TileGrid& grid);
+    void draw_in_tiles(const Program& program) const;
     void issue(const Group& group) const;
 
     Options options_;
@@ -132,6 +141,16 @@ private:
     std::vector<VolumeFaces> faces_;  ///< per slot
     std::vector<std::uint32_t> found_indices_;
     std::vector<Group> groups_;
+    std::vector<DrawCommand> drawn_;  ///< as in commands_
+    /// Of sort_into_tiles(): what each rectangle draws.
+    struct Cell {
+        glm::ivec4 scissor{0};
+        std::vector<Group> groups;
+    };
+    std::vector<Cell> cells_;
+    StorageBuffer cell_indices_, cell_commands_;
+    VertexArray cell_vertex_array_;
+    std::uint64_t drawn_in_tiles_ = 0;
     glm::ivec4 scissor_{0};  ///< x, y, width, height of the light's mask
     std::uint64_t most_layers_ = 0, triangle_count_ = 0;
     bool in_image_ = false;

@@ -40,6 +40,27 @@ VolumePass::Options options_from(const Settings& settings) {
     return options;
 }
 
+/// Depths of what is seen in each tile and asked for.
+TileGrid seen_tiles(const Frame& frame) {
+    const View& view = frame.view();
+    const glm::dmat4 clip = clip_from_rel(frame.scene().camera);
+    TileGrid grid{view.width, view.height};
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            const std::size_t i =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x);
+            if (view.hit(i)) {
+                const glm::dvec4 p = clip * glm::dvec4{glm::dvec3{view.position_cr[i]}, 1.0};
+                const auto depth = static_cast<float>(p.z / p.w);
+                const std::size_t tile = grid.tile_of(x, y);
+                grid.nearest[tile] = std::max(grid.nearest[tile], depth);
+                grid.farthest[tile] = std::min(grid.farthest[tile], depth);
+            }
+        }
+    }
+    return grid;
+}
+
 std::vector<SettingInfo> hybrid_settings() {
     std::vector<SettingInfo> all{
         number_setting("map_size", "Map size", "px", "Width and height of each depth map; may be low.", 512, 16, 16384,
@@ -142,6 +163,9 @@ void Hybrid::prepare(Frame& frame) {
         masked_target_ = RenderTarget{"hybrid mask"};
         masked_target_.attach_depth(masked_depth_);
     }
+    if (mask_for(frame) == Mask::Tiles) {
+        tiles_ = seen_tiles(frame);
+    }
     if (pcf_form_) {
         compare_ = Sampler::create();
         glSamplerParameteri(compare_.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -227,8 +251,26 @@ void Hybrid::install_mask(Frame& frame) {
     glDisable(GL_STENCIL_TEST);
 }
 
+void Hybrid::find_tagged_tiles(const Frame& frame) {
+    const auto classes = classes_.read<std::uint8_t>();
+    const View& view = frame.view();
+    std::ranges::fill(tiles_.wanted, std::uint8_t{0});
+    for (int y = 0; y < view.height; ++y) {
+        const std::uint8_t* row = classes.data() + static_cast<std::ptrdiff_t>(y) * view.width;
+        for (int x = 0; x < view.width; ++x) {
+            if (row[x] == kTagged) {
+                tiles_.wanted[tiles_.tile_of(x, y)] = 1;
+            }
+        }
+    }
+}
+
 void Hybrid::count(Frame& frame) {
     VolumeMask mask;
+    if (mask_for(frame) == Mask::Tiles) {
+        find_tagged_tiles(frame);
+        mask.tiles = &tiles_;
+    }
     switch (mask_for(frame)) {
         case Mask::Discard:
             mask = {.kind = VolumeMask::Kind::Class, .classes = &classes_, .wanted = kTagged};
@@ -237,7 +279,7 @@ void Hybrid::count(Frame& frame) {
             mask = {.kind = VolumeMask::Kind::DepthBounds, .depth_stencil = &masked_depth_};
             break;
         default:
-            mask = {.kind = VolumeMask::Kind::Stencil};
+            mask.kind = VolumeMask::Kind::Stencil;
             break;
     }
     volumes_.count(frame, mask);
@@ -341,6 +383,10 @@ std::vector<Statistic> Hybrid::statistics(Frame& frame) {
     const double pixels = std::max(1.0, static_cast<double>(classes.size()));
     all.push_back({"tagged", "Tagged pixels", "pixels", tagged});
     all.push_back({"tagged_share", "Tagged pixels", "share of the picture", tagged / pixels});
+    if (mask_for(frame) == Mask::Tiles) {
+        all.push_back({"drawn_in_tiles", "Triangles drawn, once for each rectangle of tiles", "triangles",
+                       static_cast<double>(volumes_.drawn_in_tiles())});
+    }
     all.push_back({"masked_fragments", "Fragments of the volumes under the mask", "fragments", updates});
     all.push_back(
         {"masked_overdraw", "Fragments under the mask per pixel of the picture", "fragments", updates / pixels});

@@ -35,6 +35,7 @@ public:
 private:
     void classify(Frame& frame);
     void install_mask(Frame& frame);
+    void find_tagged_tiles(const Frame& frame);
     void count(Frame& frame);
     [[nodiscard]] Mask mask_for(const Frame& frame) const;
     [[nodiscard]] DebugImage class_picture(Frame& frame);
@@ -53,6 +54,7 @@ private:
     RenderTarget stencil_target_;
     GLuint stencil_texture_ = 0;  ///< that stencil_target_ has
     Sampler compare_;
+    TileGrid tiles_;  ///< Mask::Tiles only
 };
 
 }  // namespace penumbra
