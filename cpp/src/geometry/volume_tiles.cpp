@@ -41,16 +41,6 @@ Polygon<P> clipped(const Polygon<P>& polygon, const F& side) {
     return kept;
 }
 
-template <class P, class F>
-bool all_inside(const Polygon<P>& polygon, const F& side) {
-    for (int i = 0; i < polygon.count; ++i) {
-        if (side(polygon.points[static_cast<std::size_t>(i)]) < 0.0) {
-            return false;
-        }
-    }
-    return true;
-}
-
 }  // namespace
 
 std::vector<TileRectangle> rectangles_of(const TileGrid& grid, std::vector<std::int32_t>& rectangle_of) {
@@ -92,9 +82,28 @@ std::vector<TileRectangle> rectangles_of(const TileGrid& grid, std::vector<std::
     return found;
 }
 
+TileWalker::TileWalker(const TileGrid& grid)
+    : grid_{&grid},
+      wanted_before_(static_cast<std::size_t>(grid.columns + 1) * static_cast<std::size_t>(grid.rows), 0),
+      low_(static_cast<std::size_t>(grid.columns)),
+      high_(static_cast<std::size_t>(grid.columns)),
+      first_row_{grid.rows},
+      last_row_{-1} {
+    for (int row = 0; row < grid.rows; ++row) {
+        std::uint32_t* before = wanted_before_.data() + static_cast<std::ptrdiff_t>(row) * (grid.columns + 1);
+        for (int column = 0; column < grid.columns; ++column) {
+            before[column + 1] = before[column] + grid.wanted[static_cast<std::size_t>(row * grid.columns + column)];
+        }
+        if (before[grid.columns] > 0) {
+            first_row_ = std::min(first_row_, row);
+            last_row_ = row;
+        }
+    }
+}
+
 void TileWalker::walk(const glm::dvec4& a, const glm::dvec4& b, const glm::dvec4& c, bool z_pass,
                       std::vector<std::uint32_t>& tiles) {
-    // The view's rectangle, a margin wider; what is behind the eye is outside of both of two opposite sides.
+    // The view's rectangle, a margin wider; what is behind the eye is outside of one of two opposite sides.
     const double wide_x = 1.0 + 2.0 * kMargin_px / grid_->width_px;
     const double wide_y = 1.0 + 2.0 * kMargin_px / grid_->height_px;
     Polygon<glm::dvec4> homogeneous;
@@ -102,7 +111,12 @@ void TileWalker::walk(const glm::dvec4& a, const glm::dvec4& b, const glm::dvec4
     homogeneous.add(b);
     homogeneous.add(c);
     const auto clip = [&](const auto& side) {
-        if (!all_inside(homogeneous, side)) {
+        const bool ia = side(a) >= 0.0;
+        const bool ib = side(b) >= 0.0;
+        const bool ic = side(c) >= 0.0;
+        if (!ia && !ib && !ic) {
+            homogeneous.count = 0;
+        } else if (!(ia && ib && ic)) {
             homogeneous = clipped(homogeneous, side);
         }
     };
@@ -110,94 +124,131 @@ void TileWalker::walk(const glm::dvec4& a, const glm::dvec4& b, const glm::dvec4
     clip([&](const glm::dvec4& p) { return wide_x * p.w + p.x; });
     clip([&](const glm::dvec4& p) { return wide_y * p.w - p.y; });
     clip([&](const glm::dvec4& p) { return wide_y * p.w + p.y; });
-    Polygon<glm::dvec3> polygon;  // in tiles, and depth
-    double bottom = std::numeric_limits<double>::infinity();
-    double top = -bottom;
+    Polygon<glm::vec3> polygon;  // in tiles, and depth
+    float bottom = std::numeric_limits<float>::infinity();
+    float top = -bottom;
     for (int i = 0; i < homogeneous.count; ++i) {
         const glm::dvec4& p = homogeneous.points[static_cast<std::size_t>(i)];
-        if (!(p.w > 0.0)) {
-            continue;  // the eye itself
+        if (p.w > 0.0) {  // else the eye itself
+            const double over_w = 1.0 / p.w;
+            polygon.add({(0.5 + 0.5 * p.x * over_w) * grid_->width_px / TileGrid::kTile_px,
+                         (0.5 + 0.5 * p.y * over_w) * grid_->height_px / TileGrid::kTile_px,
+                         std::clamp(p.z * over_w, 0.0, 1.0)});
+            bottom = std::min(bottom, polygon.points[static_cast<std::size_t>(polygon.count - 1)].y);
+            top = std::max(top, polygon.points[static_cast<std::size_t>(polygon.count - 1)].y);
         }
-        const double x = (0.5 + 0.5 * p.x / p.w) * grid_->width_px / TileGrid::kTile_px;
-        const double y = (0.5 + 0.5 * p.y / p.w) * grid_->height_px / TileGrid::kTile_px;
-        polygon.add({x, y, std::clamp(p.z / p.w, 0.0, 1.0)});
-        bottom = std::min(bottom, y);
-        top = std::max(top, y);
     }
+    constexpr auto kMargin = static_cast<float>(kMargin_px / TileGrid::kTile_px);
+    const int first_row = std::max(first_row_, static_cast<int>(std::floor(bottom - kMargin)));
+    const int last_row = std::min(last_row_, static_cast<int>(std::floor(top + kMargin)));
     if (polygon.count < 2) {
         return;
     }
-    constexpr double kMargin = kMargin_px / TileGrid::kTile_px;
-    const int first_row = std::max(0, static_cast<int>(std::floor(bottom - kMargin)));
-    const int last_row = std::min(grid_->rows - 1, static_cast<int>(std::floor(top + kMargin)));
     for (int row = first_row; row <= last_row; ++row) {
-        Polygon<glm::dvec3> band = polygon;
-        const double y0 = row - kMargin;
-        const double y1 = row + 1.0 + kMargin;
-        if (bottom < y0) {
-            band = clipped(band, [&](const glm::dvec3& p) { return p.y - y0; });
-        }
-        if (top > y1) {
-            band = clipped(band, [&](const glm::dvec3& p) { return y1 - p.y; });
-        }
-        if (band.count == 0) {
+        walk_row(polygon.points.data(), polygon.count, row, z_pass, tiles);
+    }
+}
+
+void TileWalker::walk_row(const glm::vec3* points, int count, int row, bool z_pass, std::vector<std::uint32_t>& tiles) {
+    constexpr auto kMargin = static_cast<float>(kMargin_px / TileGrid::kTile_px);
+    const float y0 = static_cast<float>(row) - kMargin;
+    const float y1 = static_cast<float>(row) + 1.0F + kMargin;
+    // The parts of the outline within the row: from left to right, with their depths.
+    struct Part {
+        glm::vec2 from, to;  ///< x, depth
+    };
+    std::array<Part, kMost> parts;
+    int part_count = 0;
+    float left = std::numeric_limits<float>::infinity();
+    float right = -left;
+    float nearest = 0.0F;
+    float farthest = 1.0F;
+    for (int i = 0; i < count; ++i) {
+        const glm::vec3& p = points[i];
+        const glm::vec3& q = points[i + 1 < count ? i + 1 : 0];
+        if (std::max(p.y, q.y) < y0 || std::min(p.y, q.y) > y1) {
             continue;
         }
-        double left = std::numeric_limits<double>::infinity();
-        double right = -left;
-        for (int i = 0; i < band.count; ++i) {
-            left = std::min(left, band.points[static_cast<std::size_t>(i)].x);
-            right = std::max(right, band.points[static_cast<std::size_t>(i)].x);
+        glm::vec2 from{p.x, p.z};
+        glm::vec2 to{q.x, q.z};
+        if (const float rise = q.y - p.y; std::abs(rise) > 1e-6F) {
+            const glm::vec2 change = (to - from) / rise;
+            to = from + change * (std::clamp(q.y, y0, y1) - p.y);
+            from += change * (std::clamp(p.y, y0, y1) - p.y);
         }
-        const int first = std::max(0, static_cast<int>(std::floor(left - kMargin)));
-        const int last = std::min(grid_->columns - 1, static_cast<int>(std::floor(right + kMargin)));
-        if (first > last) {
-            continue;
+        if (from.x > to.x) {
+            std::swap(from, to);
         }
-        for (int column = first; column <= last; ++column) {
-            low_[static_cast<std::size_t>(column)] = std::numeric_limits<float>::infinity();
-            high_[static_cast<std::size_t>(column)] = -std::numeric_limits<float>::infinity();
-        }
-        // Depth is affine, so its extremes in a column lie on the band's outline.
-        for (int i = 0; i < band.count; ++i) {
-            glm::dvec3 p = band.points[static_cast<std::size_t>(i)];
-            glm::dvec3 q = band.points[static_cast<std::size_t>(i + 1 < band.count ? i + 1 : 0)];
-            if (p.x > q.x) {
-                std::swap(p, q);
-            }
-            const int from = std::max(first, static_cast<int>(std::floor(p.x - kMargin)));
-            const int to = std::min(last, static_cast<int>(std::floor(q.x + kMargin)));
-            const double per_x = q.x > p.x ? (q.z - p.z) / (q.x - p.x) : 0.0;
-            for (int column = from; column <= to; ++column) {
-                float z0 = 0.0F;
-                float z1 = 0.0F;
-                if (from == to || q.x - p.x < 1e-9) {
-                    z0 = static_cast<float>(p.z);
-                    z1 = static_cast<float>(q.z);
-                } else {
-                    z0 = static_cast<float>(p.z + per_x * (std::max(p.x, column - kMargin) - p.x));
-                    z1 = static_cast<float>(p.z + per_x * (std::min(q.x, column + 1.0 + kMargin) - p.x));
+        parts[static_cast<std::size_t>(part_count++)] = {from, to};
+        left = std::min(left, from.x);
+        right = std::max(right, to.x);
+        nearest = std::max(nearest, std::max(from.y, to.y));
+        farthest = std::min(farthest, std::min(from.y, to.y));
+    }
+    if (part_count == 0) {
+        return;
+    }
+    const int first = std::max(0, static_cast<int>(std::floor(left - kMargin)));
+    const int last = std::min(grid_->columns - 1, static_cast<int>(std::floor(right + kMargin)));
+    const std::uint32_t* before = wanted_before_.data() + static_cast<std::ptrdiff_t>(row) * (grid_->columns + 1);
+    if (first > last || before[last + 1] == before[first]) {
+        return;
+    }
+    // Depth is affine, so its extremes in a column lie on the outline within it; where the row cuts the polygon,
+    // between two parts' ends, that is a piece of outline as well.
+    const bool wide = last > first;
+    if (wide) {
+        for (const bool upper : {false, true}) {
+            const float y = upper ? y1 : y0;
+            std::array<glm::vec2, 2> ends;
+            int found = 0;
+            for (int i = 0; i < count; ++i) {
+                const glm::vec3& p = points[i];
+                const glm::vec3& q = points[i + 1 < count ? i + 1 : 0];
+                if ((p.y <= y) != (q.y <= y) && found < 2) {
+                    const float t = (y - p.y) / (q.y - p.y);
+                    ends[static_cast<std::size_t>(found++)] = {p.x + t * (q.x - p.x), p.z + t * (q.z - p.z)};
                 }
-                float& low = low_[static_cast<std::size_t>(column)];
-                float& high = high_[static_cast<std::size_t>(column)];
-                low = std::min(low, std::min(z0, z1));
-                high = std::max(high, std::max(z0, z1));
+            }
+            if (found == 2) {
+                const bool swap = ends[0].x > ends[1].x;
+                parts[static_cast<std::size_t>(part_count++)] = {ends[swap ? 1 : 0], ends[swap ? 0 : 1]};
             }
         }
-        for (int column = first; column <= last; ++column) {
-            const auto i = static_cast<std::size_t>(row * grid_->columns + column);
-            const auto k = static_cast<std::size_t>(column);
-            if (grid_->wanted[i] == 0) {
-                continue;
+        std::fill(low_.begin() + first, low_.begin() + last + 1, std::numeric_limits<float>::infinity());
+        std::fill(high_.begin() + first, high_.begin() + last + 1, -std::numeric_limits<float>::infinity());
+        for (int i = 0; i < part_count; ++i) {
+            const Part& part = parts[static_cast<std::size_t>(i)];
+            const int from = std::max(first, static_cast<int>(std::floor(part.from.x - kMargin)));
+            const int to = std::min(last, static_cast<int>(std::floor(part.to.x + kMargin)));
+            const float width = part.to.x - part.from.x;
+            const float change = width > 1e-6F ? (part.to.y - part.from.y) / width : 0.0F;
+            for (int column = from; column <= to; ++column) {
+                const float x0 = std::max(part.from.x, static_cast<float>(column) - kMargin);
+                const float x1 = std::min(part.to.x, static_cast<float>(column) + 1.0F + kMargin);
+                const bool whole = from == to || change == 0.0F;
+                const float z0 = whole ? part.from.y : part.from.y + change * (x0 - part.from.x);
+                const float z1 = whole ? part.to.y : part.from.y + change * (x1 - part.from.x);
+                low_[static_cast<std::size_t>(column)] =
+                    std::min(low_[static_cast<std::size_t>(column)], std::min(z0, z1));
+                high_[static_cast<std::size_t>(column)] =
+                    std::max(high_[static_cast<std::size_t>(column)], std::max(z0, z1));
             }
-            // Fragments before all that is seen do not fail, those behind all of it do not pass. What no edge told of
-            // (rounding) is kept.
-            const bool matters =
-                !(low_[k] <= high_[k]) || (z_pass ? high_[k] * (1.0F + kDepthSlack) >= grid_->farthest[i]
-                                                  : low_[k] * (1.0F - kDepthSlack) <= grid_->nearest[i]);
-            if (matters) {
-                tiles.push_back(static_cast<std::uint32_t>(i));
-            }
+        }
+    }
+    for (int column = first; column <= last; ++column) {
+        const auto i = static_cast<std::size_t>(row * grid_->columns + column);
+        if (grid_->wanted[i] == 0) {
+            continue;
+        }
+        const float high = wide ? high_[static_cast<std::size_t>(column)] : nearest;
+        const float low = wide ? low_[static_cast<std::size_t>(column)] : farthest;
+        // Fragments before all that is seen do not fail, those behind all of it do not pass. What no part told of (by
+        // rounding) is kept.
+        const bool matters = !(low <= high) || (z_pass ? high * (1.0F + kDepthSlack) >= grid_->farthest[i]
+                                                       : low * (1.0F - kDepthSlack) <= grid_->nearest[i]);
+        if (matters) {
+            tiles.push_back(static_cast<std::uint32_t>(i));
         }
     }
 }

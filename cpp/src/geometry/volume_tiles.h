@@ -42,7 +42,8 @@ struct TileRectangle {
 /// Which wanted tiles a polygon may touch, at a depth that matters.
 class TileWalker {
 public:
-    explicit TileWalker(const TileGrid& grid) : grid_{&grid}, low_(grid.wanted.size()), high_(grid.wanted.size()) {}
+    /// @param grid  must outlive this
+    explicit TileWalker(const TileGrid& grid);
 
     /// Appends tiles. Conservative: a tile left out holds no fragment of the triangle that behind (z-fail) or before
     /// (z-pass) what is seen there.
@@ -51,8 +52,12 @@ public:
               std::vector<std::uint32_t>& tiles);
 
 private:
+    void walk_row(const glm::vec3* points, int count, int row, bool z_pass, std::vector<std::uint32_t>& tiles);
+
     const TileGrid* grid_;
-    std::vector<float> low_, high_;  ///< depths in the columns of the row at hand
+    std::vector<std::uint32_t> wanted_before_;  ///< per row: wanted tiles before each column, and before the end
+    std::vector<float> low_, high_;             ///< depths in the columns of the row at hand
+    int first_row_, last_row_;                  ///< that hold wanted tiles
 };
 
 }  // namespace penumbra

@@ -418,10 +418,11 @@ void VolumePass::sort_into_tiles(Frame& frame, const TileGrid& grid) {
     for (const Group& group : groups_) {
         std::fill_n(z_pass.begin() + static_cast<std::ptrdiff_t>(group.first), group.count, group.z_pass ? 1 : 0);
     }
+    const TileWalker all_tiles{grid};
     parallel_for(
         static_cast<std::int64_t>(pieces.size()), 1,
         [&](std::int64_t begin, std::int64_t end) {
-            TileWalker walker{grid};
+            TileWalker walker = all_tiles;  // each thread its own
             std::vector<std::uint32_t> tiles;
             std::vector<std::uint32_t> last(rectangles.size(), 0xffffffffU);
             for (auto i = begin; i < end; ++i) {

@@ -1,0 +1,319 @@
+// The hybrid against its own parts: volumes where pixels are tagged, four comparisons elsewhere; and against the closed
+// forms of what is exact, what is missed and what is tagged.
+#include "support/thesis_scenes.h"
+#include "techniques/renderer_fixture.h"
+
+namespace penumbra {
+namespace {
+
+class HybridGl : public RendererGl {
+protected:
+    struct Made {
+        std::vector<float> hybrid, volumes;
+        std::vector<std::uint8_t> tagged, mask;
+        Camera camera;
+    };
+    Made make(const Scene& scene, Settings settings) {
+        Made made;
+        renderer().set_scene(scene);
+        made.camera = scene.camera;
+        made.mask = renderer().mask(0, control_);
+        made.hybrid = renderer().visibility(0, {"hybrid", settings}, false, control_).visibility;
+        const std::vector<std::string> views{"tagged"};
+        for (const glm::vec3& rgb :
+             renderer().debug_images(0, {"hybrid", settings}, views, control_).front().image.rgb) {
+            made.tagged.push_back(rgb == glm::vec3{0.1F, 0.9F, 0.1F} ? 1 : 0);
+        }
+        made.volumes = renderer().visibility(0, {"shadow_volume", {}}, false, control_).visibility;
+        return made;
+    }
+    struct Wrong {
+        std::size_t missing = 0, falsely_dark = 0, tagged_wrong = 0, tagged = 0, mask = 0;
+    };
+    static Wrong compare(const Made& made) {
+        Wrong wrong;
+        for (std::size_t i = 0; i < made.hybrid.size(); ++i) {
+            if (made.mask[i] == 0) {
+                continue;
+            }
+            ++wrong.mask;
+            wrong.tagged += made.tagged[i];
+            if (made.hybrid[i] != made.volumes[i]) {
+                wrong.tagged_wrong += made.tagged[i];
+                ++(made.hybrid[i] > made.volumes[i] ? wrong.missing : wrong.falsely_dark);
+            }
+        }
+        return wrong;
+    }
+    static double tagged_share(const Made& made) {
+        return static_cast<double>(std::count(made.tagged.begin(), made.tagged.end(), 1)) /
+               static_cast<double>(made.tagged.size());
+    }
+    /// Seen from above, under a sun that shines straight down: the map's texels are axis-aligned squares of this width.
+    static double texel_m(const Scene& scene, int map_px) {
+        const double seen = 2.0 * scene.camera.half_width_m * (scene.camera.width_px - 1.0) / scene.camera.width_px;
+        return seen / (map_px - 4.0);
+    }
+    /// A blocker seen by the sun alone, one metre over a ground.
+    static Scene under_blocker(std::shared_ptr<const Mesh> blocker, int size_px, double turned_rad = 0.0,
+                               const glm::dvec2& at = {}) {
+        Scene scene;
+        scene.instances.push_back(scenes::place(scenes::sheet(-50, 50, -50, 50), "ground"));
+        Instance instance = scenes::place(std::move(blocker), "blocker", {at.x, at.y, 1.0});
+        instance.world_from_local[0] = {std::cos(turned_rad), std::sin(turned_rad), 0, 0};
+        instance.world_from_local[1] = {-std::sin(turned_rad), std::cos(turned_rad), 0, 0};
+        instance.visible = false;
+        instance.receives = false;
+        scene.instances.push_back(instance);
+        scene.lights.push_back(scenes::sun_light({0, 0, -1}, 0.0));
+        scene.camera = scenes::camera_from_above(2.0, size_px, size_px);
+        return scene;
+    }
+    static Scene small(Scene scene) {
+        scene.camera.width_px = 192;
+        scene.camera.height_px = 144;
+        return scene;
+    }
+};
+
+TEST_F(HybridGl, TaggedPixelsAreTheFullVolumesBitForBit) {
+    for (const Scene& scene : {small(scenes::cubes()), small(scenes::cage()), small(scenes::tree())}) {
+        for (const std::string mask : {"stencil", "tiles"}) {
+            SCOPED_TRACE(scene.instances[1].name + ", " + mask);
+            const Wrong wrong = compare(make(scene, {{"map_size", 256}, {"mask", mask}}));
+            EXPECT_EQ(wrong.tagged_wrong, 0U);
+            EXPECT_GT(wrong.tagged, 500U);
+        }
+    }
+}
+
+TEST_F(HybridGl, EveryMaskGivesTheSameImage) {
+    for (const Scene& scene : {small(scenes::cage())}) {
+        const std::vector<float> by_stencil = visibility(scene, "hybrid", {{"mask", std::string{"stencil"}}});
+        for (const std::string mask : {"auto", "tiles", "depth_bounds", "discard"}) {
+            for (const std::string counting : {"auto", "image"}) {
+                EXPECT_EQ(by_stencil, visibility(scene, "hybrid", {{"mask", mask}, {"counting", counting}}))
+                    << mask << ", " << counting;
+            }
+        }
+    }
+}
+
+TEST_F(HybridGl, FewPixelsDifferFromTheVolumes) {
+    // What the map does not see: thin twigs, and gaps between them.
+    const Wrong cubes = compare(make(small(scenes::cubes()), {{"map_size", 1024}}));
+    EXPECT_LT(static_cast<double>(cubes.missing + cubes.falsely_dark), 0.002 * static_cast<double>(cubes.mask));
+    const Wrong tree = compare(make(small(scenes::tree()), {{"map_size", 1024}}));
+    const Wrong coarse = compare(make(small(scenes::tree()), {{"map_size", 256}}));
+    EXPECT_LT(tree.missing + tree.falsely_dark, coarse.missing + coarse.falsely_dark);
+}
+
+// 3.1.3: half-plane and complement are convex, so a point lies in the hull of its four centres.
+TEST_F(HybridGl, AStraightEdgeHasNoWrongPixelAtAnyMapSizePhaseOrAngle) {
+    for (const int map_px : {16, 33, 128}) {
+        for (const double turned : {0.0, 0.31, 0.7854, 1.9}) {
+            for (const double phase : {0.0, 0.013, -0.027}) {
+                const Scene scene = under_blocker(scenes::sheet(-20, phase, -20, 20), 128, turned);
+                const Made made = make(scene, {{"map_size", map_px}});
+                const Wrong wrong = compare(made);
+                EXPECT_EQ(wrong.missing + wrong.falsely_dark, 0U) << map_px << ", " << turned << ", " << phase;
+                EXPECT_GT(wrong.tagged, 0U);
+            }
+        }
+    }
+}
+
+// 3.3: |cos| + |sin| texels.
+TEST_F(HybridGl, TheTaggedBandOfAnEdgeIsAsWideAsTheClosedForm) {
+    for (const double turned : {0.0, 0.3, 0.7854, 1.2}) {
+        const Scene scene = under_blocker(scenes::sheet(-20, 0.011, -20, 20), 512, turned);
+        const Made made = make(scene, {{"map_size", 24}});
+        const double length_m = 4.0 / std::max(std::abs(std::cos(turned)), std::abs(std::sin(turned)));
+        const double width_texels = 16.0 * tagged_share(made) / length_m / texel_m(scene, 24);
+        EXPECT_NEAR(width_texels, std::abs(std::cos(turned)) + std::abs(std::sin(turned)), 0.06) << turned;
+    }
+}
+
+// 3.4: what a bias below a slope tags on a lit plane, compared with one depth for all four texels.
+TEST_F(HybridGl, LowBiasTagsTheShareOfTheClosedForm) {
+    for (const glm::dvec2& slope : {glm::dvec2{1.0, 0.0}, glm::dvec2{1.0, 0.6}, glm::dvec2{0.7, 0.7}}) {
+        Scene scene = under_blocker(scenes::sheet(-0.1, 0.1, 30, 30.2), 256);
+        scene.instances[0].world_from_local[0] = {1, 0, slope.x, 0};
+        scene.instances[0].world_from_local[1] = {0, 1, slope.y, 0};
+        scene.camera.far_m = 400.0;
+        scene.camera.world_from_camera[3].z = 200.0;
+        scene.instances[1].world_from_local[3] = {0, 0, 60, 1};
+        const double a = std::max(slope.x, slope.y), b = std::min(slope.x, slope.y);
+        for (const double bias : {0.3, 0.65, 1.1, 2.0}) {
+            const double expected = bias >= a + b ? 0.0
+                                    : bias > a    ? (a + b - bias) * (a + b - bias) / (2 * a * b)
+                                    : bias > b    ? 1 - (bias - 0.5 * b) / a
+                                                  : 1 - bias * bias / (2 * a * b);
+            const Made one = make(scene, {{"map_size", 100}, {"receiver_plane", false}, {"bias", bias}});
+            EXPECT_NEAR(tagged_share(one), expected, 0.03) << slope.x << ", " << slope.y << ", bias " << bias;
+            const Made plane = make(scene, {{"map_size", 100}, {"bias", bias}});
+            EXPECT_EQ(tagged_share(plane), 0.0) << "the receiver's plane needs none";
+        }
+    }
+}
+
+// 3.2: a convex tip between two texel centres is lost, up to 1 / (4 tan(th / 2)) square texels; nothing is gained.
+TEST_F(HybridGl, TipsLoseNoMoreThanTheClosedFormAndGainNothing) {
+    constexpr int kMap = 40;
+    for (const double apex : {0.5236, 1.0472, 1.5708}) {
+        const double half = std::tan(0.5 * apex);
+        std::size_t most = 0;
+        double texel = 0.0;
+        for (int phase = 0; phase < 12; ++phase) {
+            const auto spike = scenes::mesh(
+                "spike", {{0, 0, 0}, {-10, static_cast<float>(-10 * half), 0}, {-10, static_cast<float>(10 * half), 0}},
+                {{0, 1, 2}});
+            const Scene scene = under_blocker(spike, 512, 0.0, {0.3 + 0.0173 * phase, 0.0083 * phase});
+            texel = texel_m(scene, kMap);
+            const Wrong wrong = compare(make(scene, {{"map_size", kMap}}));
+            EXPECT_EQ(wrong.falsely_dark, 0U) << apex << ", " << phase;
+            EXPECT_EQ(wrong.tagged_wrong, 0U);
+            most = std::max(most, wrong.missing);
+        }
+        const double pixel = 4.0 / 512.0;
+        const double lost = static_cast<double>(most) * pixel * pixel / (texel * texel);
+        const double bound = 1.0 / (4.0 * half);
+        EXPECT_LE(lost, bound + 0.02) << apex;
+        EXPECT_GT(lost, 0.25 * bound) << apex << ": some phase must come near it";
+    }
+}
+
+// 3.1.6: a strip narrower than a texel is there as a whole or not at all.
+TEST_F(HybridGl, AStripNarrowerThanATexelIsAllThereOrNotAtAll) {
+    int absent = 0;
+    constexpr int kRuns = 16;
+    for (int run = 0; run < kRuns; ++run) {
+        Scene scene = under_blocker(scenes::sheet(0, 1, -20, 20), 256);
+        const double texel = texel_m(scene, 32);
+        scene.instances[1].mesh = scenes::sheet(0.0, 0.5 * texel, -20, 20);
+        scene.instances[1].world_from_local[3].x = 0.2 + texel * (run + 0.5) / kRuns;
+        const Made made = make(scene, {{"map_size", 32}});
+        const Wrong wrong = compare(made);
+        const auto dark = static_cast<std::size_t>(std::count(made.volumes.begin(), made.volumes.end(), 0.0F));
+        EXPECT_EQ(wrong.falsely_dark, 0U);
+        EXPECT_TRUE(wrong.missing == 0 || wrong.missing == dark) << wrong.missing << " of " << dark;
+        absent += wrong.missing == dark ? 1 : 0;
+    }
+    EXPECT_EQ(absent, kRuns / 2) << "with probability 1 - width";
+}
+
+TEST_F(HybridGl, ThePublishedFilteredFetchTagsNoMoreThanTheFourComparisons) {
+    const Scene scene = small(scenes::cage());
+    const Made pcf = make(scene, {{"test", std::string{"pcf"}}, {"bias", 0.5}});
+    const Made gather = make(scene, {{"receiver_plane", false}, {"bias", 0.5}});
+    for (std::size_t i = 0; i < pcf.tagged.size(); ++i) {
+        ASSERT_LE(pcf.tagged[i], gather.tagged[i]) << i;
+    }
+    EXPECT_EQ(compare(pcf).tagged_wrong, 0U);
+}
+
+TEST_F(HybridGl, TheReceiversPlaneTagsLessAndErrsLess) {
+    const Scene scene = small(scenes::cubes());
+    const Wrong plane = compare(make(scene, {{"map_size", 256}}));
+    const Wrong one = compare(make(scene, {{"map_size", 256}, {"receiver_plane", false}}));
+    EXPECT_LT(plane.tagged, one.tagged);
+    EXPECT_LE(plane.missing + plane.falsely_dark, one.missing + one.falsely_dark);
+}
+
+TEST_F(HybridGl, ConservativeRatioCullingDropsOnlyWhereTheMapIsFinerThanThePicture) {
+    const Scene scene = small(scenes::cubes());
+    const Made all = make(scene, {{"map_size", 2048}});
+    const Made culled = make(scene, {{"map_size", 2048}, {"ratio_culling", std::string{"conservative"}}});
+    const Made coarse = make(scene, {{"map_size", 64}, {"ratio_culling", std::string{"conservative"}}});
+    const Made coarse_all = make(scene, {{"map_size", 64}});
+    EXPECT_LT(compare(culled).tagged, compare(all).tagged);
+    EXPECT_EQ(coarse.tagged, coarse_all.tagged) << "texels wider than pixels everywhere";
+    // A dropped pixel's edge is off by less than a pixel: where it is wrong an edge passes, or a shadow so thin that no
+    // neighbour shows it.
+    const int width = scene.camera.width_px;
+    std::size_t wrong = 0, dropped = 0;
+    for (int y = 1; y + 1 < scene.camera.height_px; ++y) {
+        for (int x = 1; x + 1 < width; ++x) {
+            const auto i = static_cast<std::size_t>(y * width + x);
+            dropped += all.tagged[i] != 0 && culled.tagged[i] == 0 ? 1 : 0;
+            if (all.tagged[i] == 0 || culled.tagged[i] != 0 || culled.hybrid[i] == all.volumes[i]) {
+                continue;
+            }
+            bool edge = false;
+            for (const int j : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
+                edge = edge || all.volumes[i + static_cast<std::size_t>(j)] != all.volumes[i];
+            }
+            wrong += edge ? 0 : 1;
+        }
+    }
+    EXPECT_LE(100 * wrong, dropped);
+    // The published estimate is no upper bound, so it drops more.
+    const Made scalar = make(scene, {{"map_size", 2048}, {"ratio_culling", std::string{"scalar"}}});
+    EXPECT_GE(compare(culled).tagged, compare(scalar).tagged);
+}
+
+TEST_F(HybridGl, OmniLightsAreClassifiedAcrossTheFacesOfTheirCube) {
+    Scene scene;
+    scene.instances.push_back(scenes::place(scenes::sheet(-8, 8, -8, 8), "ground"));
+    for (int i = 0; i < 12; ++i) {
+        const double angle = 0.5236 * i + 0.1;
+        scene.instances.push_back(scenes::place(scenes::box({-0.2F, -0.2F, 0}, {0.2F, 0.2F, 2.2F}),
+                                                "post " + std::to_string(i),
+                                                {2 * std::cos(angle), 2 * std::sin(angle), 0}));
+    }
+    scene.lights.push_back(scenes::point_light({0.05, 0.02, 1.0}, 0.0));
+    scene.camera = scenes::camera_from_above(6.0, 256, 256);
+    const Made made = make(scene, {{"map_size", 128}});
+    const Wrong wrong = compare(made);
+    EXPECT_EQ(wrong.tagged_wrong, 0U);
+    EXPECT_LE(wrong.missing + wrong.falsely_dark, wrong.mask / 1000);
+    EXPECT_GT(wrong.tagged, 100U);
+}
+
+TEST_F(HybridGl, SingularLightsAndMapsAreServed) {
+    // A light within a solid, a map of 16 texels, a bias of 0, an eye within a volume.
+    Scene scene = small(scenes::cage());
+    scene.lights[0].position_ws = {0.05, 0.1, 1.4};
+    for (const int map_px : {16, 512}) {
+        const Wrong wrong = compare(make(scene, {{"map_size", map_px}}));
+        EXPECT_EQ(wrong.tagged_wrong, 0U);
+        EXPECT_LE(wrong.missing + wrong.falsely_dark, wrong.mask / 50);
+    }
+    scene = small(scenes::cage());
+    scene.camera = scenes::camera_towards({-1.2, 1.0, 0.3}, {1, -1, 0.5}, 256, 192);
+    EXPECT_EQ(compare(make(scene, {{"bias", 0.0}})).tagged_wrong, 0U);
+    EXPECT_EQ(compare(make(scene, {{"map_size", 16}})).tagged_wrong, 0U);
+}
+
+TEST_F(HybridGl, MoreThan127VolumesInEachOtherAreStillCounted) {
+    Scene scene = under_blocker(scenes::sheet(-20, 0.013, -20, 20), 64);
+    const Instance blocker = scene.instances[1];
+    for (int i = 1; i < 128; ++i) {
+        Instance next = blocker;
+        next.world_from_local[3].z = 1.0 + 0.001 * i;
+        scene.instances.push_back(next);
+    }
+    const Wrong counted = compare(make(scene, {{"map_size", 32}}));
+    EXPECT_EQ(counted.missing, 0U);
+    const Wrong wrapped = compare(
+        make(scene, {{"map_size", 32}, {"counting", std::string{"stencil"}}, {"mask", std::string{"stencil"}}}));
+    EXPECT_GT(wrapped.missing, 0U) << "128 nested volumes are none modulo 128, as the specification says";
+}
+
+TEST_F(HybridGl, StatisticsAreWhatTheThesisReports) {
+    const Scene scene = small(scenes::cage());
+    renderer().set_scene(scene);
+    const auto result = renderer().visibility(0, {"hybrid", {}}, false, control_);
+    std::map<std::string, double> value;
+    for (const Statistic& statistic : result.statistics) {
+        value[statistic.id] = statistic.value;
+    }
+    EXPECT_GT(value["overdraw"], 40.0);
+    EXPECT_LT(value["masked_overdraw"], 0.2 * value["overdraw"]);
+    EXPECT_GT(value["tagged_share"], 0.02);
+    EXPECT_LT(value["tagged_share"], 0.15);
+    EXPECT_EQ(renderer().debug_images(0, {"hybrid", {}}, {}, control_).size(), 6U);
+}
+
+}  // namespace
+}  // namespace penumbra
