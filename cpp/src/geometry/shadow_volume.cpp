@@ -143,6 +143,18 @@ int edge_multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge, c
     return m;
 }
 
+std::uint64_t most_sides(const Adjacency& adjacency, VolumeFaces faces) noexcept {
+    std::uint64_t sum = 0;
+    for (const Adjacency::Edge& edge : adjacency.edges) {
+        std::uint64_t along = 0;
+        std::uint64_t against = 0;
+        for_sides(adjacency, edge, [&](std::uint32_t side) { ++((side & 1U) != 0 ? against : along); });
+        // With all triangles, those of either direction can add up, half of them averted.
+        sum += faces == VolumeFaces::All ? along + against : std::max(along, against);
+    }
+    return sum;
+}
+
 int count_crossings(const Mesh& mesh, const glm::dvec4& light_local, const glm::dvec3& p_local, VolumeFaces faces,
                     std::int64_t except) noexcept {
     int count = 0;

@@ -41,6 +41,9 @@ struct Closure {
 [[nodiscard]] int edge_multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge,
                                     const std::uint8_t* towards, VolumeFaces faces) noexcept;
 
+/// Sides that the mesh's edges can have at most, whatever the light.
+[[nodiscard]] std::uint64_t most_sides(const Adjacency& adjacency, VolumeFaces faces) noexcept;
+
 /// The oracle: how many triangles of the volume the open segment from the light to p crosses.
 /// @param except  a triangle that does not count: the one that p lies on; -1 for none
 [[nodiscard]] int count_crossings(const Mesh& mesh, const glm::dvec4& light_local, const glm::dvec3& p_local,

@@ -13,6 +13,7 @@
 #include "geometry/volume_tiles.h"
 #include "gl/buffer.h"
 #include "gl/framebuffer.h"
+#include "gl/glsl_types.h"
 #include "gl/handles.h"
 #include "gl/texture.h"
 #include "passes/light_summary.h"
@@ -21,6 +22,10 @@
 #include "penumbra/settings.h"
 
 namespace penumbra {
+
+namespace gpu {
+#include "shared/volume_slot.h"
+}  // namespace gpu
 
 class Frame;
 class GpuScene;
@@ -100,7 +105,8 @@ public:
     [[nodiscard]] std::uint64_t most_layers() const noexcept { return most_layers_; }
     /// Triangles times rectangles of the last count() with tiles.
     [[nodiscard]] std::uint64_t drawn_in_tiles() const noexcept { return drawn_in_tiles_; }
-    [[nodiscard]] std::uint64_t triangle_count() const noexcept { return triangle_count_; }
+    /// Waits for the device where it found them.
+    [[nodiscard]] std::uint64_t triangle_count();
     [[nodiscard]] std::size_t bytes() const noexcept;
 
 private:
@@ -121,6 +127,10 @@ private:
     [[nodiscard]] bool needs_no_caps(const LightSummary& summary, std::size_t caster) const;
     void send_vertices(const GpuScene& gpu_scene);
     void find_on_cpu(Frame& frame, const glm::dvec4& light_ws);
+    void find_on_device(Frame& frame, const glm::dvec4& light_ws);
+    void read_back();
+    [[nodiscard]] VolumeFaces faces_of(const Slot& slot, const glm::dvec4& light_local) const;
+    void sort_commands(std::vector<std::pair<Group, DrawCommand>>& all);
     void bound_layers(const Frame& frame, const glm::dvec4& light_ws);
     void aim_at(const TextureImage& depth_stencil);
     [[nodiscard]] std::uint64_t stencil_limit() const noexcept {
@@ -153,8 +163,10 @@ private:
     std::uint64_t drawn_in_tiles_ = 0;
     glm::ivec4 scissor_{0};  ///< x, y, width, height of the light's mask
     std::uint64_t most_layers_ = 0, triangle_count_ = 0;
+    bool on_cpu_ = false;
+    bool read_back_ = false;  ///< found_indices_ and drawn_ are what the device holds
     bool in_image_ = false;
-    StorageBuffer vertices_, instance_numbers_, indices_, commands_, instances_;
+    StorageBuffer vertices_, instance_numbers_, indices_, commands_, instances_, device_slots_, jobs_;
     VertexArray vertex_array_;
     TextureImage counts_;
     RenderTarget target_;

@@ -114,6 +114,27 @@ TEST_F(ShadowVolumeGl, EveryWayOfCountingGivesTheSameImage) {
               visibility(scene, "shadow_volume", {{"counting", std::string{"image"}}}));
 }
 
+TEST_F(ShadowVolumeGl, DeviceAndProcessorFindTheSameVolumes) {
+    for (const std::string faces : {"auto", "light_facing", "all"}) {
+        for (const Light& light :
+             {scenes::point_light({2.0, -1.5, 4.0}, 0.0), scenes::sun_light({0.3, 0.5, -1.0}, 0.0)}) {
+            const Scene scene = court(light);
+            const Settings cpu{{"faces", faces}, {"silhouettes", std::string{"cpu"}}};
+            const Settings gpu{{"faces", faces}, {"silhouettes", std::string{"gpu"}}};
+            EXPECT_LE(share_that_differs(visibility(scene, "shadow_volume", cpu),
+                                         visibility(scene, "shadow_volume", gpu), 0.5),
+                      0.0005)
+                << faces;
+            const auto triangles = [&](const Settings& settings) {
+                renderer().set_scene(scene);
+                return renderer().visibility(0, {"shadow_volume", settings}, false, control_).statistics.front().value;
+            };
+            EXPECT_EQ(triangles(cpu), triangles(gpu)) << faces;
+        }
+    }
+    expect_the_rays_answer(court(scenes::point_light({2.0, -1.5, 4.0}, 0.0)), {{"silhouettes", std::string{"gpu"}}});
+}
+
 TEST_F(ShadowVolumeGl, ALightWithinASolidLightsItsInsideOnly) {
     // Normals out or in, the camera in or out: the truth knows no sides.
     for (const bool inwards : {false, true}) {

@@ -162,6 +162,7 @@ void Hybrid::prepare(Frame& frame) {
         masked_depth_ = TextureImage::make_2d(GL_DEPTH32F_STENCIL8, view.width, view.height, "hybrid mask");
         masked_target_ = RenderTarget{"hybrid mask"};
         masked_target_.attach_depth(masked_depth_);
+        no_attributes_ = VertexArray::create();
     }
     if (mask_for(frame) == Mask::Tiles) {
         tiles_ = seen_tiles(frame);
@@ -227,9 +228,14 @@ void Hybrid::install_mask(Frame& frame) {
                            depth.width(), depth.height(), 1);
         const Program& program =
             frame.device().programs.get({kFullscreen, "techniques/hybrid/mask.frag"}, {{"CLEAR_DEPTH"}});
-        glEnable(GL_DEPTH_TEST);
+        masked_target_.bind();
+        program.use();
+        glEnable(GL_DEPTH_TEST);  // which FullscreenPass would switch off, and with it the writing
+        glDepthMask(GL_TRUE);
         glDepthFunc(GL_ALWAYS);
-        frame.fullscreen().draw(masked_target_, program);
+        glBindVertexArray(no_attributes_.name());
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glBindVertexArray(0);
         glDisable(GL_DEPTH_TEST);
         glDepthFunc(GL_GREATER);
         return;

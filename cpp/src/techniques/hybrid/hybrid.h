@@ -51,6 +51,7 @@ private:
     RenderTarget class_target_;
     TextureImage masked_depth_;  ///< depth bounds only: the view's depth, 0 where no pixel is tagged
     RenderTarget masked_target_;
+    VertexArray no_attributes_;
     RenderTarget stencil_target_;
     GLuint stencil_texture_ = 0;  ///< that stencil_target_ has
     Sampler compare_;
