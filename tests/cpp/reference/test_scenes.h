@@ -4,25 +4,22 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "penumbra/scene.h"
 #include "penumbra/view.h"
+#include "support/scenes.h"
 
 // Small scenes and Views made by hand: receivers are points given in float64, not what a camera happens to see.
 
 namespace penumbra::test {
 
-inline constexpr double kPi = std::numbers::pi;
+using scenes::kPi;
+using scenes::point_light;
 
 inline std::shared_ptr<Mesh> make_mesh(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
-    auto mesh = std::make_shared<Mesh>();
-    mesh->name = "mesh";
-    mesh->positions_local = std::move(positions);
-    mesh->triangles = std::move(triangles);
-    return mesh;
+    return scenes::mesh("mesh", std::move(positions), std::move(triangles));
 }
 
 /// Parallelogram of two triangles, as four corners in order.
@@ -48,22 +45,7 @@ inline std::shared_ptr<Mesh> disc(float radius, int sides) {
 }
 
 inline std::shared_ptr<Mesh> cube(float half) {
-    std::vector<glm::vec3> p;
-    for (int i = 0; i < 8; ++i) {
-        p.emplace_back((i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half, (i & 4) != 0 ? half : -half);
-    }
-    return make_mesh(p, {{0, 2, 1},
-                         {1, 2, 3},
-                         {4, 5, 6},
-                         {5, 7, 6},
-                         {0, 1, 4},
-                         {1, 5, 4},
-                         {2, 6, 3},
-                         {3, 6, 7},
-                         {0, 4, 2},
-                         {2, 4, 6},
-                         {1, 3, 5},
-                         {3, 7, 5}});
+    return scenes::box(glm::vec3{-half}, glm::vec3{half});
 }
 
 /// Latitude-longitude sphere, closed.
@@ -93,9 +75,7 @@ inline std::shared_ptr<Mesh> sphere(float radius, int rings, int segments) {
 }
 
 inline Instance place(std::shared_ptr<const Mesh> mesh, const glm::dmat4& world_from_local = glm::dmat4{1.0}) {
-    Instance instance;
-    instance.name = "instance";
-    instance.mesh = std::move(mesh);
+    Instance instance = scenes::place(std::move(mesh), "instance");
     instance.world_from_local = world_from_local;
     return instance;
 }
@@ -104,25 +84,9 @@ inline glm::dmat4 moved(const glm::dvec3& by) {
     return glm::translate(glm::dmat4{1.0}, by);
 }
 
-inline Light point_light(const glm::dvec3& at, double radius) {
-    Light light;
-    light.name = "point";
-    light.kind = LightKind::Point;
-    light.position_ws = at;
-    light.radius_m = radius;
-    return light;
-}
-
 /// Rectangle that shines down.
 inline Light rectangle(const glm::dvec3& at, double half_u, double half_v) {
-    Light light;
-    light.name = "rectangle";
-    light.kind = LightKind::Rectangle;
-    light.position_ws = at;
-    light.direction_ws = {0, 0, -1};
-    light.half_u_ws = {half_u, 0, 0};
-    light.half_v_ws = {0, half_v, 0};
-    return light;
+    return scenes::rectangle_light(at, 2.0 * half_u, 2.0 * half_v);
 }
 
 inline Light ellipse(const glm::dvec3& at, double half_u, double half_v) {
@@ -142,12 +106,7 @@ inline Light line(const glm::dvec3& at, const glm::dvec3& half) {
 }
 
 inline Light sun(const glm::dvec3& direction, double angle) {
-    Light light;
-    light.name = "sun";
-    light.kind = LightKind::Sun;
-    light.direction_ws = glm::normalize(direction);
-    light.sun_angle_rad = angle;
-    return light;
+    return scenes::sun_light(direction, angle);
 }
 
 /// Convex polygon that shines down; corners counter-clockwise seen from below.

@@ -56,8 +56,8 @@ inline std::shared_ptr<Mesh> sphere(int rings, bool smooth) {
     for (int j = 0; j <= rings; ++j) {
         for (int i = 0; i < segments; ++i) {
             const double theta = kPi * j / rings, phi = 2.0 * kPi * i / segments;
-            made->positions_local.emplace_back(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
-                                               std::cos(theta));
+            const double around = j < rings ? std::sin(theta) : 0.0;  // sin(pi) is not 0: the pole would not be welded
+            made->positions_local.emplace_back(around * std::cos(phi), around * std::sin(phi), std::cos(theta));
         }
     }
     const auto at = [&](int j, int i) { return static_cast<unsigned>(j * segments + i % segments); };
