@@ -56,6 +56,12 @@ _set_by_us: set[str] = set()
         subtype="DIR_PATH",
         default="",
     ),
+    reports=bpy.props.StringProperty(
+        name="Reports",
+        description="Folder for the reports of comparisons; empty for a folder beside each .blend file",
+        subtype="DIR_PATH",
+        default="",
+    ),
     threads=bpy.props.IntProperty(
         name="Threads",
         description="Processor threads for rays, 0 for all of them. Counts from the next start of Blender on",
@@ -70,6 +76,7 @@ class PENUMBRA_AP_preferences(bpy.types.AddonPreferences):  # noqa: N801
         layout.use_property_split = True
         layout.prop(self, "device")
         layout.prop(self, "cache")
+        layout.prop(self, "reports")
         layout.prop(self, "threads")
         row = layout.row()
         row.operator(PENUMBRA_OT_examine.bl_idname, icon="VIEWZOOM")

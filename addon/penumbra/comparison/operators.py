@@ -20,6 +20,7 @@ from ..errors import UserError
 from ..properties import with_properties
 from ..read import view_region
 from . import results, running, show, table
+from .properties import group
 
 _REFRESH_S = 0.2
 _NOT_FOR_WRITING = ("flip-evaluator", "rich")  # of the libraries of `penumbra compare`
@@ -46,7 +47,10 @@ class PENUMBRA_OT_compare(bpy.types.Operator):  # noqa: N801
 
     def invoke(self, context: Any, event: Any) -> set[str]:
         if running.current() is not None:
-            return context.window_manager.invoke_confirm(self, event)  # type: ignore[no-any-return]
+            asked = context.window_manager.invoke_confirm(
+                self, event, title="Start Anew", message="A comparison is running. End it and start another one?"
+            )
+            return asked  # type: ignore[no-any-return]
         return self.execute(context)
 
     def execute(self, context: Any) -> set[str]:
@@ -240,11 +244,17 @@ class PENUMBRA_OT_open_report(_OnResults):  # noqa: N801
     bl_options = {"REGISTER"}  # noqa: RUF012
 
     def execute(self, context: Any) -> set[str]:
+        folder = Path(bpy.path.abspath(self.folder)) if self.folder else report_folder()
+        if context.window is not None:
+            context.window.cursor_set("WAIT")
         try:
-            page = write_report(context.scene, Path(bpy.path.abspath(self.folder)) if self.folder else report_folder())
+            page = write_report(context.scene, folder)
         except (UserError, OSError) as error:
             self.report({"ERROR"}, f"Penumbra: {errors.sentence_of(error)}")
             return {"CANCELLED"}
+        finally:
+            if context.window is not None:
+                context.window.cursor_set("DEFAULT")
         if not bpy.app.background:
             bpy.ops.wm.url_open(url=page.as_uri())
         self.report({"INFO"}, f"Report: {page}")
@@ -325,8 +335,11 @@ def use(scene: Any, row: Any) -> None:
 
 
 def report_folder() -> Path:
-    """Beside the .blend file, where that can be written to; else among the temporary files."""
+    """In the folder of the preferences, else beside the .blend file, else among the temporary files."""
     name = Path(bpy.data.filepath).stem or "unsaved"
+    own = preferences.preferences()
+    if own is not None and own.reports:
+        return Path(bpy.path.abspath(own.reports)) / name
     places = [Path(bpy.data.filepath).parent] if bpy.data.filepath else []
     for place in places:
         if os.access(place, os.W_OK):
@@ -377,6 +390,7 @@ def _deliver(done: running.Running) -> None:
         return
     for scene in bpy.data.scenes:
         if scene.session_uid == done.order.scene:
+            show.forget()
             results.store(scene, done)
             _push_undo()
 
@@ -411,6 +425,24 @@ def redraw() -> None:
                         region.tag_redraw()
 
 
+def _follow() -> None:
+    """Another row is active: an image editor that shows one of our pictures goes on to that row's."""
+    try:
+        show.follow(bpy.context)
+    except (UserError, OSError):  # a picture that is not there: the one before stays
+        return
+
+
+_follower = object()  # owns the subscription
+
+
+@persistent  # type: ignore[untyped-decorator]
+def _subscribe(*_: Any) -> None:
+    """Blender forgets subscriptions with each file. (An update function of the property would crash 4.2 at its end.)"""
+    bpy.msgbus.clear_by_owner(_follower)
+    bpy.msgbus.subscribe_rna(key=(group(), "active_row"), owner=_follower, args=(), notify=_follow)
+
+
 @persistent  # type: ignore[untyped-decorator]
 def _stop(*_: Any) -> None:
     running.stop()
@@ -434,13 +466,18 @@ def register() -> None:
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.app.handlers.load_pre.append(_stop)
+    if not bpy.app.background:
+        bpy.app.handlers.load_post.append(_subscribe)
+        _subscribe()
 
 
 def unregister() -> None:
     _stop()
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
-    if _stop in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_stop)
+    bpy.msgbus.clear_by_owner(_follower)
+    for handlers, handler in ((bpy.app.handlers.load_pre, _stop), (bpy.app.handlers.load_post, _subscribe)):
+        if handler in handlers:
+            handlers.remove(handler)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -128,6 +128,11 @@ def _comparison_group(techniques: type) -> type:
 _registered: list[type] = []
 
 
+def group() -> type:
+    """The registered class of the scene's property."""
+    return _registered[-1]
+
+
 def register() -> None:
     techniques = _techniques_group()
     for group in (PENUMBRA_PG_result, PENUMBRA_PG_result_light, techniques, _comparison_group(techniques)):

@@ -167,6 +167,23 @@ def _editor(context: Any) -> Any | None:
     return next(iter(ours + found), None)
 
 
+def follow(context: Any) -> None:
+    """Where an image editor shows one of our pictures, it shows the active row's. @raises UserError without it"""
+    kept = context.scene.penumbra_comparison
+    row = results.active(kept)
+    if row is None or row.status != "ok":
+        return
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            image = area.spaces.active.image if area.type == "IMAGE_EDITOR" else None
+            if image is None or image.get(MARK, "REFERENCE") == "REFERENCE":
+                continue
+            what = image[MARK]
+            if (image["technique"], image["light"]) != (row.name, row.light):
+                area.spaces.active.image = image_of(kept, row, what)
+                area.tag_redraw()
+
+
 def hand_to_overlay(context: Any, row: Any) -> None:
     """The viewport's overlay, where there is one, shows the same technique on its left."""
     overlay = getattr(context.window_manager, "penumbra_overlay", None)

@@ -165,10 +165,48 @@ def properties(answer: dict[str, Any]) -> None:
     area.spaces.active.context = "RENDER"
 
 
+def click(answer: dict[str, Any]) -> None:
+    """On the last row of the table, where its name stands."""
+    answer["active_before"] = bpy.context.scene.penumbra_comparison.active_row
+    x, y = 230, window().height - 1 - 558
+    window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
+    window().event_simulate(type="LEFTMOUSE", value="PRESS", x=x, y=y)
+    window().event_simulate(type="LEFTMOUSE", value="RELEASE", x=x, y=y)
+
+
+def clicked(answer: dict[str, Any]) -> None:
+    kept = bpy.context.scene.penumbra_comparison
+    area = next(area for area in window().screen.areas if area.type == "IMAGE_EDITOR")
+    answer["clicked"] = kept.rows[kept.active_row].name
+    answer["followed"] = area.spaces.active.image["technique"]
+    take_picture("clicked.png")
+
+
+def compare_this_view(answer: dict[str, Any]) -> None:
+    kept = bpy.context.scene.penumbra_comparison
+    kept.view, kept.scale = "VIEW", 15
+    answer["view_started"] = sorted(operate(bpy.ops.penumbra.compare, "EXEC_DEFAULT"))
+
+
+def view_results(answer: dict[str, Any]) -> None:
+    kept = bpy.context.scene.penumbra_comparison
+    answer["view_heading"], answer["view_rows"] = kept.heading, [row.status for row in kept.rows]
+    _, region = viewport()
+    answer["view_size"] = [round(region.width * 0.15), round(region.height * 0.15)]
+
+
+def leave_while_comparing(answer: dict[str, Any]) -> None:
+    bpy.context.scene.penumbra.settings.ray_traced.rays = 65536
+    bpy.context.scene.penumbra_comparison.scale = 100
+    operate(bpy.ops.penumbra.compare, "EXEC_DEFAULT")
+    answer["left_running"] = module("comparison.running").current() is not None
+
+
 SCROLLED = [step for number in range(1, 9) for step in (scroll, picture(f"scrolled_{number}"))]
 
 play(
     install, unfold, open_scene, arrange, choose_tab, before, running, midway, picture("midway"), wait, results,
-    artist_works, after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED, make_properties, properties,
-    picture("properties"),
+    artist_works, after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED[:2], click, clicked,
+    *SCROLLED[2:], make_properties, properties, picture("properties"), compare_this_view, wait, view_results,
+    leave_while_comparing,
 )  # fmt: skip

@@ -39,6 +39,21 @@ def test_a_result_stands_in_the_image_editor(answer: dict[str, Any]) -> None:
     assert burning.mean() > 0.01, "false colours of the error"
 
 
+def test_a_click_on_a_row_shows_it_where_a_result_stands_already(answer: dict[str, Any]) -> None:
+    assert answer["rows"][answer["active_before"]][0] == "plateaus"
+    assert answer["clicked"] == answer["followed"] == "Smoothies"
+
+
+def test_the_view_of_the_viewport_is_compared_in_its_own_shape(answer: dict[str, Any]) -> None:
+    width, height = answer["view_size"]
+    assert answer["view_heading"] == f"3D viewport, {width} x {height}, frame 1"
+    assert answer["view_rows"] == ["ok"] * 7
+
+
+def test_blender_ends_by_itself_while_a_comparison_runs(answer: dict[str, Any]) -> None:
+    assert answer["left_running"], "and the fixture saw it end with code 0"
+
+
 def test_the_panel_draws_table_plot_and_thumbnails(answer: dict[str, Any]) -> None:
     """The techniques' colours stand in the sidebar: dots of the table, marks of the plot, bars of the thumbnails."""
     from penumbra.report import palette
