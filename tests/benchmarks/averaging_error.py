@@ -111,14 +111,15 @@ def main() -> int:
         draw(title, "plateaus", settings)
 
     best = f"average of {max(arguments.samples)}"
-    print(f"| on the plane | penumbra RMSE | bias | against the {best}: mean difference | RMS | frame over hard |")
-    print("|---|---|---|---|---|---|")
+    print(f"| on the plane | penumbra RMSE | bias | from the {best}: mean | RMS | least, most | frame over hard |")
+    print("|---|---|---|---|---|---|---|")
     for title, image in pictures.items():
         errors = core.measure_errors([image], truth["area"], truth["standard_error"], mask.astype(np.uint8))
         difference = (image - pictures[best])[mask]
         print(
             f"| {title} | {errors['penumbra_rmse']:.3f} | {errors['bias']:+.4f} | {difference.mean():+.4f} "
-            f"| {np.sqrt((difference**2).mean()):.3f} | {times[title] / times['hard shadow']:.1f} |"
+            f"| {np.sqrt((difference**2).mean()):.3f} | {difference.min():+.2f}, {difference.max():+.2f} "
+            f"| {times[title] / times['hard shadow']:.1f} |"
         )
 
     albedo = np.asarray(view.normal_ws)[..., 2].astype(np.float32)
