@@ -137,6 +137,11 @@ std::vector<double> draw_skins(const std::vector<Skin>& skins, const LinearMap& 
             if (rules.exact) {
                 v = std::abs(to.u_of(x) - skin.caster_u) / std::max(base * (skin.caster_d - seen), 1e-9 * to.step.x);
             }
+            if (rules.wall_rule && !rules.exact) {
+                // Over a parallel receiver the height is 1 - t of the skin's own depth: nothing changes there.
+                const double height = (d - seen) / std::max(skin.caster_d - skin.receiver_d, 1e-300);
+                v = std::max(v, 1.0 - 10.0 * std::max(height, 0.0));
+            }
             v = std::clamp(v, 0.0, 1.0);
             if (rules.darkest ? drawn[i] == 0 || v < entries[i] : d > order[i]) {
                 entries[i] = v;

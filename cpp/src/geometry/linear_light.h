@@ -43,6 +43,7 @@ struct SkinRules {
     double least_skin_px = 1.0;  ///< T_disp: shorter skins are no penumbra
     bool exact = false;          ///< rational transition, exact for receivers of any shape; else linear along the skin
     bool darkest = false;        ///< of overlapping skins the darkest, not the nearest to the sample
+    bool wall_rule = true;       ///< linear: a skin that lies on a surface, as on a wall of few texels, leaves it lit
     double same_relative = 1e-3, same_absolute = 0.0;  ///< depths that differ by less are the same surface
 };
 

@@ -51,7 +51,7 @@ bool CandidateScore::triggers() const noexcept {
 }
 
 CandidateScore score_candidate(const LinearMap& first, const LinearMap& middle, const LinearMap& last,
-                               const SkinRules& rules, const LinearLookup& lookup) {
+                               const SkinRules& rules, const LinearLookup& lookup, const AskedPart& asked) {
     CandidateScore score;
     const LinearVisibility two{{first, last}, rules};
     if (two.skin_count() == 0) {
@@ -63,7 +63,7 @@ CandidateScore score_candidate(const LinearMap& first, const LinearMap& middle, 
         for (int x = 0; x < middle.width_px; ++x) {
             LinearPoint point;
             point.d = middle.d[middle.index(x, y)];
-            if (!(point.d > 0.0)) {
+            if (!(point.d > 0.0) || middle.u_of(x) < asked.low_u || middle.u_of(x) > asked.high_u) {
                 continue;
             }
             point.uv = {middle.u_of(x) + middle.along * point.d, middle.low.y + (y + 0.5) * middle.step.y};

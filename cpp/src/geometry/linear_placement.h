@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "geometry/linear_light.h"
@@ -20,9 +21,16 @@ struct CandidateScore {
     [[nodiscard]] bool triggers() const noexcept;
 };
 
+/// What lies to either side of the part of the candidate's map that is asked.
+struct AskedPart {
+    double low_u = -std::numeric_limits<double>::infinity(), high_u = std::numeric_limits<double>::infinity();
+};
+
 /// @param first, middle, last  maps of one window, in the order of `along`
+/// @param asked  where the candidate's map is judged: beyond the receivers its neighbours may not see the casters
 [[nodiscard]] CandidateScore score_candidate(const LinearMap& first, const LinearMap& middle, const LinearMap& last,
-                                             const SkinRules& rules, const LinearLookup& lookup);
+                                             const SkinRules& rules, const LinearLookup& lookup,
+                                             const AskedPart& asked = {});
 
 /// Halves segments while `triggers(from, at, to)` holds for a candidate at their middle, else at a quarter or three
 /// quarters. What is put in is always the middle: at the best candidate's place segments of odd lengths would stay.

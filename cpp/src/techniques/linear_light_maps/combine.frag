@@ -15,6 +15,9 @@ layout(binding = 4) uniform sampler2DArray surface_map;  // what the channels ar
 #endif
 
 uniform int first_layer;
+#if !ONE_WINDOW
+uniform int first_window;
+#endif
 uniform vec4 views[SAMPLES * MAP_FACES];  // per window and sample: texel minus the central view's: x * d + y
 uniform vec4 places[SAMPLES];             // x along the rod, y share of the segment to the next sample
 uniform float rim;                        // perspective: share of the depth; orthographic: metres
@@ -149,9 +152,9 @@ void main() {
     const int window = 0;
     const bool outside = false;
 #else
-    int found = find_window(p_rel);
-    bool outside = found < 0;
-    int window = max(found, 0);
+    int found = find_window(p_rel) - first_window;
+    bool outside = found < 0 || found >= MAP_FACES;
+    int window = clamp(found, 0, MAP_FACES - 1);
 #endif
     MapPoint at = find_in_face(window, p_rel, receiver.normal_ws);
     at.face = window;

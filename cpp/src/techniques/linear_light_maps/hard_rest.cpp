@@ -44,8 +44,7 @@ void set_windows(const Program& program, const LinearViews& views) {
     program.set("rod_u", glm::vec3{views.u_ws});
     program.set("rod_v", glm::vec3{views.v_ws});
     program.set("rod_f", glm::vec3{views.f_ws});
-    const auto& towards = views.window_towards;
-    program.set("window_towards", glm::ivec4{towards[0], towards[1], towards[2], towards[3]});
+    program.set("window_towards", std::span<const int>{views.window_towards});
     program.set("rod_reach", glm::vec3{glm::dvec3{views.along.front(), views.along.back(), kWidestAlong}});
 }
 

@@ -59,7 +59,10 @@ std::vector<SettingInfo> linear_settings() {
                                       "nearest to the sample (published), or the darkest.", {"nearest", "darkest"}));
     settings.push_back(toggle_setting("clamp", "Clamp", "A segment counts 1 at most; off as published.", true));
     settings.push_back(toggle_setting(
-        "rim_rule", "Rim rule", "Entries of a surface well behind the point do not darken it: rims stay lit.", true));
+        "rim_rule", "Rims and walls",
+        "Keeps a caster's own rims and grazed walls lit: entries and skins that belong to another surface than the "
+        "point's do not darken it. Off as published.",
+        true));
     settings.push_back(toggle_setting("adaptive", "Adaptive samples",
                                       "Halves segments that two samples cannot serve, from maps read back.", false));
     settings.push_back(number_setting("max_samples", "Most samples", "maps", "On each line, with adaptive samples.", 9,
@@ -80,6 +83,7 @@ SkinRules rules_from(const Settings& settings) {
     rules.log_share = get_double(settings, "edge_threshold");
     rules.dead_zone = get_double(settings, "dead_zone") * (rules.kernel == LogKernel::Five ? 0.2 : 1.0);
     rules.least_skin_px = get_double(settings, "least_skin");
+    rules.wall_rule = get_bool(settings, "rim_rule");
     rules.exact = get_choice(settings, "transition") == "exact";
     rules.darkest = get_choice(settings, "conflict") == "darkest";
     return rules;
@@ -372,8 +376,8 @@ void LinearLightMaps::update(Frame& frame) {
     });
 }
 
-const Program& LinearLightMaps::combination(Frame& frame, const Rod& rod) const {
-    Defines defines = bias_.defines(rod.views.central(), facing_test_);
+const Program& LinearLightMaps::combination(Frame& frame, const Rod& rod, const LinearViews::Group& group) const {
+    Defines defines = bias_.defines(rod.views.central(group), facing_test_);
     defines.push_back({"SAMPLES", std::to_string(rod.views.samples())});
     defines.push_back({"ONE_WINDOW", rod.views.in_one_window ? "1" : "0"});
     defines.push_back({"SURFACE_MAP", frame.plan().runs(kSurfaces) ? "1" : "0"});
@@ -393,19 +397,16 @@ const Program& LinearLightMaps::combination(Frame& frame, const Rod& rod) const 
     return frame.device().programs.get({"lib/fullscreen.vert", "techniques/linear_light_maps/combine.frag"}, defines);
 }
 
-void LinearLightMaps::combine(Frame& frame, const Rod& rod) {
+void LinearLightMaps::combine(Frame& frame, const Rod& rod, const LinearViews::Group& group) {
     const LinearViews& views = rod.views;
-    if (views.windows.empty()) {  // all of its receivers lie beyond
-        return;
-    }
     setup_.bind_for_lookup(
-        make_map_block(views.central(), frame.light(), rod.segment.centre_ws, frame.summary().eye_ws, size_px_));
-    const Program& program = combination(frame, rod);
+        make_map_block(views.central(group), frame.light(), rod.segment.centre_ws, frame.summary().eye_ws, size_px_));
+    const Program& program = combination(frame, rod, group);
     bias_.set_uniforms(program);
     const auto samples = static_cast<std::size_t>(views.samples());
     std::vector<glm::vec4> shifts;
     double widest_texel = 0.0;
-    for (std::size_t window = 0; window < views.windows.size(); ++window) {
+    for (std::size_t window = group.first; window < group.first + group.count; ++window) {
         for (int sample = 0; sample < views.samples(); ++sample) {
             shifts.emplace_back(glm::vec2{views.shift_from_central(window, sample)}, 0.0F, 0.0F);
         }
@@ -421,7 +422,7 @@ void LinearLightMaps::combine(Frame& frame, const Rod& rod) {
                                               : 1.0 / static_cast<double>(samples - 1);
         places.emplace_back(views.along[i], share, 0.0, 0.0);
     }
-    program.set("first_layer", rod.first_layer);
+    program.set("first_layer", rod.first_layer + static_cast<int>(group.first) * views.samples());
     program.set("views", std::span<const glm::vec4>{shifts});
     program.set("places", std::span<const glm::vec4>{places});
     // Beyond the depth that a tilted receiver spans in a texel: some 16 texels' width.
@@ -431,6 +432,7 @@ void LinearLightMaps::combine(Frame& frame, const Rod& rod) {
     }
     if (!views.in_one_window) {
         set_windows(program, views);
+        program.set("first_window", static_cast<int>(group.first));
     }
     if (local_ && !views.orthographic) {
         program.set("shine_ws",
@@ -457,7 +459,9 @@ void LinearLightMaps::accumulate(Frame& frame) {
     glBlendFunc(GL_ONE, GL_ONE);
     if (!software_) {
         for (const Rod& rod : rods_) {
-            combine(frame, rod);
+            for (const LinearViews::Group& group : rod.views.groups()) {
+                combine(frame, rod, group);
+            }
         }
     }
     rest_.accumulate(frame, sums_target_, bias_, facing_test_);
@@ -519,7 +523,7 @@ void LinearLightMaps::resolve(Frame& frame) {
         } else if (software_) {
             resolve_in_software(frame);
         } else if (!sums_needed()) {
-            combine(frame, rods_.front());
+            combine(frame, rods_.front(), rods_.front().views.groups().front());
         } else {
             accumulate(frame);
             sums_.bind(0);

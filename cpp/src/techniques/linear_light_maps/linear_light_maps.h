@@ -56,9 +56,12 @@ private:
     void place_samples(Frame& frame);
     void draw_skins(Frame& frame);
     [[nodiscard]] const DepthMap& surfaces(const Frame& frame) const;
-    [[nodiscard]] bool sums_needed() const noexcept { return rods_.size() > 1 || !rest_.empty(); }
-    [[nodiscard]] const Program& combination(Frame& frame, const Rod& rod) const;
-    void combine(Frame& frame, const Rod& rod);
+    /// More than one pass has a say in a picture.
+    [[nodiscard]] bool sums_needed() const noexcept {
+        return rods_.size() > 1 || !rest_.empty() || rods_.front().views.windows.size() > PENUMBRA_MAX_FACES;
+    }
+    [[nodiscard]] const Program& combination(Frame& frame, const Rod& rod, const LinearViews::Group& group) const;
+    void combine(Frame& frame, const Rod& rod, const LinearViews::Group& group);
     void accumulate(Frame& frame);
     void resolve_in_software(Frame& frame);
     [[nodiscard]] LinearLookup software_lookup() const;

@@ -11,13 +11,15 @@ namespace penumbra {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A single window this wide across the rod, else four around it; the limit of the fitted frustum of other maps.
-const double kWidestAcross = std::tan(55.0 * std::numbers::pi / 180.0);
+// A single window this wide, else twelve around the rod; the limit of the fitted frustum of other maps.
+const double kWidest = std::tan(55.0 * std::numbers::pi / 180.0);
 // Texels kept free around what must be seen: the widest filter reaches two.
 constexpr double kMargin_px = 4.0;
-// Room for skins may make a window so much wider than its receivers, and no more: what stands close to the rod has
-// skins as long as one likes.
+// Room for skins on either side: at most this share of what the receivers take, and no more than this tangent, but for
+// receivers that take more themselves: what stands close to the rod has skins as long as one likes, and texels are
+// dear.
 constexpr double kMostRoom = 2.0;
+constexpr double kMostRoomTangent = 0.5;
 
 struct Range {
     double low = kInfinity, high = -kInfinity;
@@ -60,15 +62,16 @@ struct Sectors {
     bool orthographic = false;
     std::vector<double> along;
 
-    /// The four windows around the rod, f turned about u.
+    /// The windows around the rod: four, f turned about u, and each in three parts along u.
     [[nodiscard]] glm::dmat3 window(int i, double shear = 0.0) const {
         const std::array<glm::dvec3, 4> forward{f, v, -f, -v};
-        const glm::dvec3 towards = forward[static_cast<std::size_t>(i)];
+        const glm::dvec3 towards = forward[static_cast<std::size_t>(i % 4)];
         return axes(u, glm::cross(towards, u), towards, shear);
     }
-    [[nodiscard]] bool inside(int i, const glm::dvec3& p, double widest_across) const {
+    [[nodiscard]] bool inside(int i, const glm::dvec3& p, double widest) const {
         const glm::dvec3 q = window(i) * p;
-        return orthographic || (q.z > 0.0 && std::abs(q.y) <= widest_across * q.z &&
+        const bool part = i < 4 ? std::abs(q.x) <= widest * q.z : i < 8 ? q.x > q.z : q.x < -q.z;
+        return orthographic || (q.z > 0.0 && part && std::abs(q.y) <= widest * q.z &&
                                 q.x - along.front() <= kWidestAlong * q.z && along.back() - q.x <= kWidestAlong * q.z);
     }
     void add(int i, const glm::dvec3& p, Seen& seen) const {
@@ -89,7 +92,9 @@ struct Sectors {
     }
 };
 
-constexpr std::array<const char*, 4> kWindowNames{"front", "left", "back", "right"};
+constexpr std::array<const char*, kMostWindows> kWindowNames{
+    "front",       "left",         "back",          "right",        "front, ahead", "left, ahead",
+    "back, ahead", "right, ahead", "front, behind", "left, behind", "back, behind", "right, behind"};
 
 /// What of the scene lies around the rod, relative to its origin.
 struct Surroundings {
@@ -133,7 +138,10 @@ Range with_room(const Surroundings& around, const Sectors& sectors, const glm::d
         wanted.add(std::min(receivers.high + forth * in_front, std::max(own.high, receivers.low)));
         wanted.add(std::max(receivers.low - back * in_front, std::min(own.low, receivers.high)));
     }
-    const double most = kMostRoom * receivers.size();
+    double most = kMostRoom * receivers.size();
+    if (!sectors.orthographic) {
+        most = std::min(most, std::max(kMostRoomTangent, 0.25 * receivers.size()));
+    }
     return {std::max(wanted.low, receivers.low - most), std::min(wanted.high, receivers.high + most)};
 }
 
@@ -218,26 +226,37 @@ LinearWindow make_window(const Surroundings& around, const Sectors& sectors, int
     for (std::size_t k = 0; k < samples; ++k) {
         window.faces[k].near_m = near_m;
         window.faces[k].far_m = far_m;
-        window.low_u.push_back(window.faces[k].low.x - (sectors.orthographic ? sectors.along[k] * far_m : 0.0));
+        const double shift = sectors.orthographic ? sectors.along[k] * far_m : 0.0;
+        window.low_u.push_back(window.faces[k].low.x - shift);
+        window.receivers_u.emplace_back(seen.u[k].low - shift, seen.u[k].high - shift);
     }
     return window;
 }
 
 }  // namespace
 
-MapFrustum LinearViews::frustum_of(int sample) const {
+std::vector<LinearViews::Group> LinearViews::groups() const {
+    std::vector<Group> all;
+    for (std::size_t first = 0; first < windows.size(); first += PENUMBRA_MAX_FACES) {
+        all.push_back({first, std::min<std::size_t>(PENUMBRA_MAX_FACES, windows.size() - first)});
+    }
+    return all;
+}
+
+MapFrustum LinearViews::frustum_of(int sample, const Group& group) const {
     MapFrustum frustum;
     frustum.origin_ws = eye_ws(sample);
-    for (const LinearWindow& window : windows) {
-        frustum.faces.push_back(window.faces[static_cast<std::size_t>(sample)]);
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+        frustum.faces.push_back(windows[i].faces[static_cast<std::size_t>(sample)]);
     }
     return frustum;
 }
 
-MapFrustum LinearViews::central() const {
+MapFrustum LinearViews::central(const Group& group) const {
     MapFrustum frustum;
     frustum.origin_ws = origin_ws;
-    for (const LinearWindow& window : windows) {
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+        const LinearWindow& window = windows[i];
         MapFace face = window.common();
         const glm::dmat3 rows = glm::transpose(face.ls_from_world);
         face.ls_from_world = glm::transpose(glm::dmat3{u_ws, rows[1], rows[2]});
@@ -273,7 +292,8 @@ std::optional<std::size_t> LinearViews::window_of(const glm::dvec3& p_ws) const 
     const bool along_f = std::abs(f) >= std::abs(v);
     const std::size_t towards = along_f ? (f >= 0.0 ? 0 : 2) : (v >= 0.0 ? 1 : 3);
     const double z = std::max(std::abs(f), std::abs(v));
-    const int window = window_towards[towards];
+    const std::size_t part = std::abs(u) <= z ? 0 : u > 0.0 ? 1 : 2;
+    const int window = window_towards[4 * part + towards];
     if (window < 0 || std::max(u - along.front(), along.back() - u) > kWidestAlong * z) {
         return std::nullopt;
     }
@@ -374,7 +394,7 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
     views.v_ws = sectors.v;
     views.f_ws = sectors.f;
 
-    std::vector<Seen> seen(4, Seen{places.size()});
+    std::vector<Seen> seen(kMostWindows, Seen{places.size()});
     const auto corners = [&](const ReceiverTile& tile) {
         auto all = corners_of(glm::dvec3{tile.low_cr}, glm::dvec3{tile.high_cr});
         for (glm::dvec3& corner : all) {
@@ -383,8 +403,7 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
         return all;
     };
     const bool one = std::ranges::all_of(summary.tiles, [&](const ReceiverTile& tile) {
-        return std::ranges::all_of(corners(tile),
-                                   [&](const glm::dvec3& p) { return sectors.inside(0, p, kWidestAcross); });
+        return std::ranges::all_of(corners(tile), [&](const glm::dvec3& p) { return sectors.inside(0, p, kWidest); });
     });
     views.in_one_window = one;
     for (const ReceiverTile& tile : summary.tiles) {
@@ -392,7 +411,8 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
         // on how the scene lies to the world's axes.)
         const auto box = corners(tile);
         bool done = false;
-        for (int i = 0; i < (one ? 1 : 4) && !done; ++i) {  // windows are convex, so a box is inside with its corners
+        for (int i = 0; i < (one ? 1 : kMostWindows) && !done;
+             ++i) {  // windows are convex, so a box is inside with its corners
             const Seen& in = seen[static_cast<std::size_t>(i)];
             done = std::ranges::all_of(box, [&](const glm::dvec3& p) {
                 return (one || sectors.inside(i, p, 1.0)) && sectors.within(i, p, in);
@@ -401,7 +421,7 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
         for (std::uint32_t k = 0; !done && k < tile.pixel_count; ++k) {
             const glm::dvec3 p = glm::dvec3{summary.receiver_points_cr[tile.first_pixel + k]} + around.eye_from_origin;
             bool found = false;
-            for (int i = 0; i < (one ? 1 : 4); ++i) {
+            for (int i = 0; i < (one ? 1 : kMostWindows); ++i) {
                 if (one || sectors.inside(i, p, 1.0)) {
                     sectors.add(i, p, seen[static_cast<std::size_t>(i)]);
                     found = true;
@@ -413,7 +433,7 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
             }
         }
     }
-    for (int i = 0; i < (one ? 1 : 4); ++i) {
+    for (int i = 0; i < (one ? 1 : kMostWindows); ++i) {
         const Seen& in = seen[static_cast<std::size_t>(i)];
         if (in.empty() && !summary.keep_everything) {
             views.windows_without_receivers.emplace_back(kWindowNames[static_cast<std::size_t>(i)]);

@@ -19,14 +19,17 @@ void render_linear_depths(Frame& frame, DepthMap& maps, MapSetup& setup, const L
                           const glm::dvec3& axis_ws, int first_layer, int size_px, bool surfaces) {
     for (int sample = 0; sample < views.samples(); ++sample) {
         frame.control().check();
-        const MapFrustum frustum = views.frustum_of(sample);
-        setup.bind_for_depth(frame.gpu_scene(), frustum,
-                             make_map_block(frustum, frame.light(), axis_ws, frame.summary().eye_ws, size_px));
-        for (std::size_t window = 0; window < frustum.faces.size(); ++window) {
-            const auto instances = surfaces ? views.windows[window].skin_casters[static_cast<std::size_t>(sample)]
-                                            : casters_in(frame.summary(), frustum.faces[window]);
-            maps.render(frame, frame.gpu_scene(), instances, window,
-                        first_layer + static_cast<int>(window) * views.samples() + sample, Cull::None);
+        for (const LinearViews::Group& group : views.groups()) {
+            const MapFrustum frustum = views.frustum_of(sample, group);
+            setup.bind_for_depth(frame.gpu_scene(), frustum,
+                                 make_map_block(frustum, frame.light(), axis_ws, frame.summary().eye_ws, size_px));
+            for (std::size_t face = 0; face < group.count; ++face) {
+                const std::size_t window = group.first + face;
+                const auto instances = surfaces ? views.windows[window].skin_casters[static_cast<std::size_t>(sample)]
+                                                : casters_in(frame.summary(), frustum.faces[face]);
+                maps.render(frame, frame.gpu_scene(), instances, face,
+                            first_layer + static_cast<int>(window) * views.samples() + sample, Cull::None);
+            }
         }
     }
 }
@@ -58,7 +61,8 @@ SamplePlacement::Result SamplePlacement::find(Frame& frame, const LinearRod& rod
                 own.same_relative = 0.0;
                 own.same_absolute = maps[0].step.x;
             }
-            score.add(score_candidate(maps[0], maps[1], maps[2], own, lookup));
+            const glm::dvec2 asked = views.windows[window].receivers_u[1];
+            score.add(score_candidate(maps[0], maps[1], maps[2], own, lookup, {asked.x, asked.y}));
         }
         ++result.candidates;
         if (at == 0.5 * (from + to)) {

@@ -27,6 +27,12 @@ void main() {
               max(texels_per_depth * (skin.caster_depth - seen), 1e-9);
 #else
     float v = t;
+#if WALL_RULE
+    // A wall that falls on few texels is taken for a gap, and the skin lies on the wall itself: that stays lit. Over a
+    // parallel receiver the skin's height is 1 - t of its own depth, so that nothing changes there.
+    float height = (depth - seen) / max(skin.caster_depth - skin.receiver_depth, 1e-30);
+    v = max(v, 1.0 - 10.0 * max(height, 0.0));
+#endif
 #endif
     channels = vec2(clamp(v, 0.0, 1.0));
 }

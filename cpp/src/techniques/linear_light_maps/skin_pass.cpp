@@ -115,7 +115,7 @@ void SkinPass::draw_towards(Frame& frame, const LinearViews& views, std::size_t 
     const glm::dvec2 shift = views.shift_between(window, from, to);
     const Program& program = frame.device().programs.get(
         {"techniques/linear_light_maps/skin.vert", "techniques/linear_light_maps/skin.frag"},
-        {{"EXACT", rules_.exact ? "1" : "0"}});
+        {{"EXACT", rules_.exact ? "1" : "0"}, {"WALL_RULE", rules_.wall_rule ? "1" : "0"}});
     program.set("capacity", capacity_);
     program.set("from_layer", window_layer + from);
     program.set("to_layer", window_layer + to);
