@@ -77,8 +77,11 @@ def node_group() -> Any:
 
     build = _Builder(group)
     given = build.place(group.nodes.new("NodeGroupInput"), 0).outputs
-    out = build.place(group.nodes.new("NodeGroupOutput"), 8).inputs
+    out = build.place(group.nodes.new("NodeGroupOutput"), 12).inputs
     across = compat.compositor_across(group, given["A"])
+    for node in group.nodes:
+        if node.bl_idname not in ("NodeGroupInput", "NodeGroupOutput"):
+            build.place(node, 1)
     # The share of B: 0 left of the line, 1 right of it. The sum of both parts leaves A and B as they are, to the bit.
     distance = build.math("SUBTRACT", across, given["Position"], 2, label="right of the line")
     edge = build.math("MAXIMUM", given["Softness"], 1e-6, 2, label="edge")
@@ -91,9 +94,9 @@ def node_group() -> Any:
     group.links.new(wipe, out["Wipe"])
     apart = build.math("ABSOLUTE", build.math("SUBTRACT", given["A"], given["B"], 2), None, 3)
     group.links.new(build.math("MULTIPLY", apart, given["Difference Scale"], 4, label="difference"), out["Difference"])
-    error = build.math("ABSOLUTE", build.math("SUBTRACT", wipe, given["Reference"], 7), None, 7)
-    shown = build.math("DIVIDE", error, given["Error Scale"], 7, label="error", clamp=True)
-    colour = build.place(compat.compositor_node(group, "ValToRGB"), 8)
+    error = build.math("ABSOLUTE", build.math("SUBTRACT", wipe, given["Reference"], 8), None, 9)
+    shown = build.math("DIVIDE", error, given["Error Scale"], 10, label="error", clamp=True)
+    colour = build.place(compat.compositor_node(group, "ValToRGB"), 11)
     _fill(colour.color_ramp)
     group.links.new(shown, colour.inputs[0])
     group.links.new(colour.outputs[0], out["False Colour"])
