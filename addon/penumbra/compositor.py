@@ -77,7 +77,7 @@ def node_group() -> Any:
 
     build = _Builder(group)
     given = build.place(group.nodes.new("NodeGroupInput"), 0).outputs
-    out = build.place(group.nodes.new("NodeGroupOutput"), 12).inputs
+    out = build.place(group.nodes.new("NodeGroupOutput"), 13).inputs
     across = compat.compositor_across(group, given["A"])
     for node in group.nodes:
         if node.bl_idname not in ("NodeGroupInput", "NodeGroupOutput"):

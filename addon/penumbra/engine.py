@@ -11,7 +11,7 @@ from typing import Any
 
 import bpy
 
-from . import bridge, errors, native, passes, picture, preferences, properties, session
+from . import bridge, native, passes, picture, preferences, properties, session
 from .errors import UserError
 from .progress import ToldProgress
 from .viewport.engine_view import EngineView
@@ -51,7 +51,7 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
             native.load()
             self._export = bridge.read_scene(depsgraph)
         except Exception as error:
-            self._problem = _sentence(error)
+            self._problem = native.sentence(error)
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
         self.register_pass(scene, renderlayer, passes.COMBINED, 4, "RGBA", "COLOR")
@@ -74,7 +74,7 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
         try:
             self._paint(export, depsgraph)
         except Exception as error:
-            self._fail(_sentence(error))
+            self._fail(native.sentence(error))
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
         """Something in the scene changed."""
@@ -184,20 +184,6 @@ def _statistics(export: bridge.SceneExport, wanted: picture.Wanted, made: pictur
         f"{seconds:.2f} s",
     ]
     return " | ".join(parts)
-
-
-def _sentence(error: BaseException) -> str:
-    return errors.sentence_of(error) if isinstance(error, UserError | bridge.BridgeError) else _core_sentence(error)
-
-
-def _core_sentence(error: BaseException) -> str:
-    """Of the core's own errors their sentence; of anything unforeseen the kind as well, for a report of a bug."""
-    try:
-        known = isinstance(error, native.load().Error)
-    except UserError:
-        known = False
-    sentence = errors.sentence_of(error)
-    return sentence if known else f"{type(error).__name__}: {sentence}"
 
 
 def register() -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import sys
 from pathlib import Path
 from typing import Any
 
-from .errors import UserError
+from .errors import UserError, sentence_of
+from .read.errors import BridgeError
 
 
 @functools.cache
@@ -35,3 +37,14 @@ def fingerprint() -> str:
     files = sorted(folder.glob("*.so")) if folder.name == "penumbra_core" else [Path(core.__file__)]
     facts = [(file.name, file.stat().st_size, file.stat().st_mtime_ns) for file in files]
     return f"{core.__version__} {facts}"
+
+
+def sentence(error: BaseException) -> str:
+    """What Blender's user is told: of errors that speak to users their sentence; of anything unforeseen the kind as
+    well, for a report of a bug.
+    """
+    known: tuple[type[BaseException], ...] = (UserError, BridgeError)
+    with contextlib.suppress(UserError):
+        known = (*known, load().Error)
+    told = sentence_of(error)
+    return told if isinstance(error, known) else f"{type(error).__name__}: {told}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import subprocess
 import sys
@@ -128,6 +129,31 @@ def test_the_table_holds_what_the_comparer_finds(scene: Kit) -> None:
         assert results.record_of(kept, row).area == record.area
         assert json.loads(row.settings) == record.settings
         assert results.record_of(kept, row).plan[0].step == record.plan[0].step
+
+
+def test_what_of_the_scene_was_left_out_is_noted(scene: Kit) -> None:
+    from penumbra.comparison import results
+
+    scene.object("Dust", bpy.data.volumes.new("Dust"))
+    choose(scene, "shadow_map")
+    bpy.ops.penumbra.compare()
+    (note,) = results.notes(scene.scene.penumbra_comparison)
+    assert "Dust" in note
+
+
+def test_twelve_comparisons_do_not_grow_the_process(scene: Kit) -> None:
+    choose(scene, "shadow_map", "ray_traced")
+
+    def resident_mb() -> float:
+        gc.collect()
+        return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20
+
+    sizes = []
+    for _ in range(12):
+        bpy.ops.penumbra.compare()
+        bpy.ops.penumbra.show_result(row=0)
+        sizes.append(resident_mb())
+    assert sizes[-1] - sizes[3] < 50
 
 
 def test_it_sorts_by_error_by_time_and_by_name_and_rows_without_figures_stand_last(scene: Kit, choosy: str) -> None:
@@ -374,6 +400,8 @@ def slow(kit: Kit) -> None:
 
 @pytest.mark.parametrize("after_s", [0.0, 0.3, 2.0])
 def test_cancel_ends_it_soon_and_keeps_what_was_there(scene: Kit, threaded: None, after_s: float) -> None:
+    from penumbra.comparison import running
+
     bpy.ops.penumbra.compare()
     wait()
     kept = scene.scene.penumbra_comparison
@@ -383,6 +411,7 @@ def test_cancel_ends_it_soon_and_keeps_what_was_there(scene: Kit, threaded: None
     time.sleep(after_s)
     assert bpy.ops.penumbra.compare_cancel() == {"FINISHED"}
     wait(20)
+    assert running.problem() == "", "being cancelled is no failure"
     assert [row.name for row in kept.rows] == before
     assert threads() == []
     with pytest.raises(RuntimeError, match="No comparison is running"):

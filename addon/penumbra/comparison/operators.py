@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import tempfile
@@ -59,8 +58,8 @@ class PENUMBRA_OT_compare(bpy.types.Operator):  # noqa: N801
             preferences.apply()
             order = order_of(context)
         except Exception as error:
-            running.tell_problem(_sentence(error))
-            self.report({"ERROR"}, f"Penumbra: {_sentence(error)}")
+            running.tell_problem(native.sentence(error))
+            self.report({"ERROR"}, f"Penumbra: {native.sentence(error)}")
             return {"CANCELLED"}
         running.begin(order, wait=wait)
         if not wait:
@@ -369,14 +368,6 @@ def write_report(scene: Any, folder: Path) -> Path:
     return writer.finish(comparison)
 
 
-def _sentence(error: BaseException) -> str:
-    known: tuple[type[BaseException], ...] = (UserError, bridge.BridgeError)
-    with contextlib.suppress(UserError):
-        known = (*known, native.load().Error)
-    sentence = errors.sentence_of(error)
-    return sentence if isinstance(error, known) else f"{type(error).__name__}: {sentence}"
-
-
 # --- collecting what the thread found --------------------------------------------------------------------------------
 
 
@@ -410,7 +401,7 @@ def _tick() -> float | None:
     try:
         going_on = collect()
     except Exception as error:  # a timer that raises is gone without a word
-        running.tell_problem(_sentence(error))
+        running.tell_problem(native.sentence(error))
         going_on = False
     redraw()
     return _REFRESH_S if going_on else None

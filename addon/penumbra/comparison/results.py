@@ -145,3 +145,12 @@ def sentences(kept: Any) -> list[str]:
     row = next((row for row in kept.rows if is_shown(kept, row)), None)
     light = light_of(kept, row) if row is not None else None
     return verdict.sentences(light, kept.target) if light is not None else []
+
+
+def notes(kept: Any) -> list[str]:
+    """What was decided while the scene was read, and what failed."""
+    comparison = unpacked(kept.document)
+    if comparison is None:
+        return []
+    failed = [f"{failure.what}: {failure.reason}" for failure in comparison.failures]
+    return [note for scene in comparison.scenes for note in scene.notes] + failed

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from .. import environment, errors, native, picture
+from .. import environment, native, picture
 from ..compare import Comparer, Options
 from ..progress import ToldProgress
 from ..records import Comparison
@@ -86,18 +86,11 @@ class Running:
     def run(self) -> None:
         """All of it; never raises."""
         try:
-            core = native.load()
-        except Exception as error:
-            self._end("failed", errors.sentence_of(error))
-            return
-        try:
-            self._compare(core)
-        except (picture.StoppedError, core.Cancelled):
+            self._compare(native.load())
+        except picture.StoppedError:
             self._end("stopped")
-        except (errors.UserError, core.Error) as error:
-            self._end("failed", errors.sentence_of(error))
         except BaseException as error:
-            self._end("failed", f"{type(error).__name__}: {errors.sentence_of(error)}")
+            self._end("failed", native.sentence(error))
         else:
             self._end("done")
 

@@ -249,6 +249,15 @@ def draw_plan(layout: Any, context: Any) -> None:
             _text(layout, step.reason, context, indent=True)
 
 
+def draw_notes(layout: Any, context: Any) -> None:
+    """What of the scene was left out or approximated, by name."""
+    notes = results.notes(context.scene.penumbra_comparison)
+    if not notes:
+        layout.label(text="The whole scene was taken as it is")
+    for note in notes:
+        _text(layout, note, context, icon="INFO")
+
+
 def _split(layout: Any) -> None:
     layout.use_property_split = True
     layout.use_property_decorate = False
@@ -294,6 +303,7 @@ _PANELS: tuple[tuple[str, str, Draw, str, bool, bool], ...] = (
     ("thumbnails", "Thumbnails", draw_thumbnails, "results", True, True),
     ("result", "Statistics", draw_row, "results", True, True),
     ("plan", "What Was Left Out", draw_plan, "results", True, True),
+    ("notes", "Notes on the Scene", draw_notes, "results", True, True),
 )
 
 
