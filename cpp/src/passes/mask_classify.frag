@@ -10,7 +10,12 @@
 
 layout(binding = 0) uniform usampler2D receivers;
 layout(binding = 2) uniform sampler2DArray depth_map;
+#if TEST_DEPTH
+#include "lib/depth_pyramid.glsl"
+layout(binding = 3) uniform sampler2DArray depth_pyramid;
+#else
 layout(binding = 3) uniform sampler2DArray nearest_edge;
+#endif
 uniform vec3 half_ws[3];   // the light's half axes; sun: tangents across its direction
 uniform int top_level;     // of the pyramid
 uniform float lit_texels;    // a stored depth nearer by up to this share of a texel's depth range is the pixel's own
@@ -58,6 +63,26 @@ vec3 window_of(int face_index, vec2 p) {
     return vec3(sums.xy * face.texel_from_ls.xy, sums.z);
 }
 
+#if TEST_DEPTH
+
+// Nearest and farthest w of the window that the nearest caster leaves, in front of the pixel's plane: x at most, y at
+// least. The issue's test, for comparison: blind for what lies between texels, and for gaps between two surfaces.
+vec2 in_front_of_plane(int face, vec2 texel, float w_r, vec2 per_w, vec2 per_texel) {
+    float size = float(map.counts.y);
+    float w_near = 1e30;
+    vec2 range = vec2(0.0), reach = vec2(size);
+    for (int i = 0; i < 4; ++i) {
+        reach = min(max(w_near - w_r, 0.0) * per_w + 1.0, vec2(size));
+        ivec2 low = ivec2(clamp(texel - reach, 0.5, size - 0.5));
+        ivec2 high = ivec2(clamp(texel + reach, 0.5, size - 0.5));
+        range = depth_range(depth_pyramid, face, low, high);
+        w_near = min(w_near, mask_w_from_stored(face, range.x));
+    }
+    float tilt = dot(abs(per_texel), reach);
+    return vec2(w_near - w_r - tilt, mask_w_from_stored(face, range.y) - w_r - tilt);
+}
+#else
+
 // Whether an edge in the window is nearer than the pixel.
 bool edge_in_window(int face, vec2 texel, float w_r, vec2 per_w) {
     float size = float(map.counts.y);
@@ -101,6 +126,8 @@ bool edge_in_window(int face, vec2 texel, float w_r, vec2 per_w) {
     return found;
 }
 
+#endif
+
 float classify(vec3 position_cr, vec3 normal_ws) {
     vec3 p_rel = position_cr - map.origin_cr.xyz;
     int face = best_face(p_rel);
@@ -118,10 +145,16 @@ float classify(vec3 position_cr, vec3 normal_ws) {
     vec2 per_w = window.xy / max(1.0 - window.z * w_r, 0.5);
     float slope_w = w_r * w_r;  // w per metre of depth
 #endif
+    vec2 per_texel = -at.slope * slope_w;  // of the w of the pixel's plane
+#if TEST_DEPTH
+    vec2 in_window = in_front_of_plane(face, at.texel, w_r, per_w, per_texel);
+    float step_w = (at.texel_m + abs(at.slope.x) + abs(at.slope.y)) * slope_w;
+    bool maybe = !known || (in_window.x > lit_texels * step_w && in_window.y < umbra_texels * step_w);
+#else
     bool maybe = !known || edge_in_window(face, at.texel, w_r, per_w);
+#endif
 
     // The four texels around: one surface, in front of the pixel or its own.
-    vec2 per_texel = -at.slope * slope_w;  // of the w of the pixel's plane
     float range = (at.texel_m + abs(at.slope.x) + abs(at.slope.y)) * slope_w;
     ivec2 base = ivec2(floor(at.texel - 0.5));
     float least = 1e30, most = -1e30;

@@ -4,7 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "base/parallel.h"
 #include "geometry/region_silhouettes.h"
@@ -20,7 +22,7 @@ constexpr double kWidestTangent = 6.0;  // of an area light's one face: 80 degre
 constexpr double kWidestGuard = 0.35;   // kept free around the receivers at most, of the map's width
 constexpr double kNearShare = 1e-6;     // of the deepest receiver: nearer to the light is touching it
 constexpr double kClearOfSphere = 3.0;  // radii: a caster nearer than that may be seen past the map's faces
-constexpr float kLitTexels = 0.3F;
+constexpr float kLitTexels = 0.02F;
 constexpr float kUmbraTexels = 1.5F;
 constexpr int kVerticesPerEdge = 6;
 
@@ -163,6 +165,24 @@ bool meets(const LightRegion& light, const glm::dvec3& a, const glm::dvec3& b, c
     return true;
 }
 
+/// Values above 0 from dark to bright.
+DebugImage faces_picture(const TextureImage& texture, std::string caption) {
+    if (!texture) {
+        return {1, 1, {glm::vec3{0.0F}}, "nothing is drawn: every pixel is undecided"};
+    }
+    float least = std::numeric_limits<float>::infinity();
+    float most = 0.0F;
+    for (const float value : texture.read<float>()) {
+        if (value > 0.0F) {
+            least = std::min(least, value);
+            most = std::max(most, value);
+        }
+    }
+    least = std::min(least, most);
+    return texture_picture(texture, 0, least - 0.25F * (most - least) - 1e-9F * most - 1e-30F, most,
+                           std::move(caption));
+}
+
 bool overlap(const Bounds& bounds, const glm::dvec3& centre, const glm::dvec3& reach) {
     return glm::all(glm::lessThanEqual(bounds.low, centre + reach)) &&
            glm::all(glm::greaterThanEqual(bounds.high, centre - reach));
@@ -192,11 +212,23 @@ std::vector<SettingInfo> PenumbraMask::settings() {
              .minimum = 0.0,
              .maximum = 16.0,
              .choices = {},
+             .sweep = {}},
+            {.id = "mask_test",
+             .label = "Mask's test",
+             .unit = "",
+             .help = "Sure where no possible silhouette lies in the window of the light; or by its depths alone, which "
+                     "misses gaps.",
+             .default_value = std::string{"edges"},
+             .minimum = 0,
+             .maximum = 0,
+             .choices = {"edges", "depth"},
              .sweep = {}}};
 }
 
 PenumbraMask::Options PenumbraMask::options_from(const Settings& settings) {
-    return {.size_px = get_int(settings, "mask_size"), .margin_texels = get_double(settings, "mask_margin")};
+    return {.size_px = get_int(settings, "mask_size"),
+            .margin_texels = get_double(settings, "mask_margin"),
+            .test = get_choice(settings, "mask_test") == "depth" ? Test::Depth : Test::Edges};
 }
 
 bool PenumbraMask::plan(const LightSummary& summary, Plan& plan) const {
@@ -286,6 +318,10 @@ void PenumbraMask::update(Frame& frame) {
         for (int layer = 0; layer < layers; ++layer) {
             const auto face = static_cast<std::size_t>(layer);
             map_.render(frame, frame.gpu_scene(), casters_in(summary, frustum_.faces[face]), face, layer, Cull::None);
+        }
+        if (options_.test == Test::Depth) {
+            pyramid_.update(frame, map_.texture());
+            return;
         }
         draw_edges(frame);
         make_pyramid(frame);
@@ -428,15 +464,19 @@ void PenumbraMask::classify(Frame& frame) {
             return;
         }
         Defines all = defines();
+        const bool by_depth = options_.test == Test::Depth;
         all.push_back({"ROUND", region_.round ? "1" : "0"});
+        all.push_back({"TEST_DEPTH", by_depth ? "1" : "0"});
         const Program& program = frame.device().programs.get({"lib/fullscreen.vert", "passes/mask_classify.frag"}, all);
         setup_.bind_for_lookup(block_);
         map_.texture().bind(2);
-        nearest_edge_.bind(3);
+        (by_depth ? pyramid_.texture() : nearest_edge_).bind(3);
         std::array<glm::vec3, 3> half{};
         std::ranges::transform(region_.half, half.begin(), [](const glm::dvec3& h) { return glm::vec3{h}; });
         program.set("half_ws", std::span<const glm::vec3>{half});
-        program.set("top_level", nearest_edge_.levels() - 1);
+        if (!by_depth) {
+            program.set("top_level", nearest_edge_.levels() - 1);
+        }
         program.set("lit_texels", kLitTexels);
         program.set("umbra_texels", kUmbraTexels);
         frame.bind_view();
@@ -462,8 +502,8 @@ void PenumbraMask::write_stencil(Frame& frame, RenderTarget& target) const {
 }
 
 std::size_t PenumbraMask::bytes() const noexcept {
-    return map_.bytes() + (nearest_edge_ ? nearest_edge_.bytes() : 0) + (classes_ ? classes_.bytes() : 0) +
-           edge_buffer_.bytes();
+    return map_.bytes() + pyramid_.bytes() + (nearest_edge_ ? nearest_edge_.bytes() : 0) +
+           (classes_ ? classes_.bytes() : 0) + edge_buffer_.bytes();
 }
 
 std::vector<Statistic> PenumbraMask::statistics(const LightSummary& summary, std::span<const std::uint8_t> classes) {
@@ -488,10 +528,12 @@ std::vector<DebugView> PenumbraMask::debug_views() {
 
 DebugImage PenumbraMask::debug_image(Frame& frame, std::string_view id) {
     if (id == "mask_map") {
-        return texture_picture(map_.texture(), 0, 0.0F, 1.0F, "nearest casters");
+        return faces_picture(map_.texture(), "nearest casters, nearest brightest, one square per face");
     }
     if (id == "mask_edges") {
-        return texture_picture(nearest_edge_, 0, 0.0F, 1.0F, "edges");
+        return faces_picture(nearest_edge_,
+                             "nearest edges that may be silhouettes from a point of the light, nearest "
+                             "brightest, one square per face");
     }
     std::vector<std::uint8_t> classes(frame.view().size());
     read_classes(classes);

@@ -8,6 +8,7 @@
 #include "geometry/light_region.h"
 #include "gl/program.h"
 #include "passes/depth_map.h"
+#include "passes/depth_pyramid.h"
 #include "passes/mask_edges.h"
 #include "penumbra/technique.h"
 
@@ -26,9 +27,14 @@ class Frame;
 class PenumbraMask {
 public:
     enum class Class : std::uint8_t { Maybe = 0, Lit = 1, Umbra = 2 };
+    enum class Test {
+        Edges,  ///< no possible silhouette in the window
+        Depth,  ///< all depths of the window on one side: for comparison, not sound (decision 11)
+    };
     struct Options {
         int size_px = 512;           ///< made a power of two
         double margin_texels = 1.0;  ///< half the width of an edge in the map, at least sqrt(1/2)
+        Test test = Test::Edges;
     };
     explicit PenumbraMask(const Options& options);
     /// The settings mask_size and mask_margin of every technique that has a mask of this kind.
@@ -82,6 +88,7 @@ private:
     std::string_view undecided_;
     std::vector<std::vector<gpu::MaskEdge>> edges_;  ///< per face
     StorageBuffer edge_buffer_;
+    DepthPyramid pyramid_;  ///< Test::Depth
     TextureImage nearest_edge_;
     std::vector<std::vector<RenderTarget>> levels_;  ///< per face
     VertexArray no_attributes_;

@@ -1,3 +1,5 @@
+#include <map>
+
 #include "techniques/renderer_fixture.h"
 
 namespace penumbra {
@@ -154,6 +156,123 @@ TEST_P(MaskedRaysLights, LightSamplesUnderTheMaskDifferAtNoPixelThatMayBeInAPenu
         }
     }
     EXPECT_LT(static_cast<double>(differ), 0.01 * static_cast<double>(all.size()));
+}
+
+// --- singular places -------------------------------------------------------------------------------------------
+
+struct Place {
+    std::string name;
+    Scene scene;
+    bool decided = true;   ///< some pixels are sure
+    bool penumbra = true;  ///< wider than a pixel
+};
+
+/// Places where a mask from maps could go wrong.
+std::vector<Place> places() {
+    std::vector<Place> all;
+    const auto add = [&](const std::string& name, std::vector<Instance> instances, const Light& light,
+                         bool decided = true, bool penumbra = true) {
+        Place at{name, garden(light), decided, penumbra};
+        at.scene.instances.resize(1);
+        at.scene.instances.insert(at.scene.instances.end(), instances.begin(), instances.end());
+        all.push_back(std::move(at));
+    };
+    const Light lamp = rectangle_light({0.3, -0.2, 4.0}, 0.8, 0.8);
+
+    add("a caster close under a wide light, seen by pixels far to the side",
+        {place(box({-0.1F, -0.1F, 0.0F}, {0.1F, 0.1F, 0.02F}), "chip", {1.2, 0.5, 3.7})},
+        rectangle_light({0.3, -0.2, 4.0}, 2.5, 2.5), false);
+    add("a slit between two sheets at different heights, closed for the light's centre",
+        {place(sheet(-3, 0.31, -3, 3), "near", {0, 0, 2.5}), place(sheet(0.28, 3, -3, 3), "far", {0, 0, 1.0})}, lamp);
+    add("a hole smaller than a texel, far above",
+        {place(sheet(-3, 0.3, -3, 3), "left", {0, 0, 3.0}), place(sheet(0.302F, 3, -3, 3), "right", {0, 0, 3.0})},
+        lamp);
+    Instance paper = place(sheet(-0.7, 0.7, -0.7, 0.7), "paper", {0, 0, 1e-3});
+    paper.visible = false;
+    add("a sheet a hair above the ground", {paper}, lamp, true, false);
+    add("a folded sheet, its fold away from the light",
+        {place(mesh("fold", {{-1, -1, 1.4F}, {0, -1, 0.6F}, {1, -1, 1.4F}, {-1, 1, 1.4F}, {0, 1, 0.6F}, {1, 1, 1.4F}},
+                    {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}}),
+               "fold")},
+        rectangle_light({0.3, -0.2, 2.2}, 3.0, 3.0));
+    add("a low sun",
+        {place(box({-0.2F, -0.2F, 0.0F}, {0.2F, 0.2F, 0.7F}), "post"), place(sphere(12, false), "ball", {2, 0, 1.0})},
+        sun_light({1.0, 0.2, -0.12}, 0.05));
+    add("a ball on the ground", {place(sphere(24, false), "ball", {0, 0, 1.0})}, lamp);
+    add("two boxes that cut through each other",
+        {place(box({-0.6F, -0.6F, 0.3F}, {0.5F, 0.5F, 0.9F}), "a"),
+         place(box({-0.1F, -1.0F, 0.5F}, {0.9F, 0.2F, 1.3F}), "b")},
+        lamp);
+    Instance room = place(box({-3.5F, -3.5F, -0.01F}, {3.5F, 3.5F, 5.0F}), "room");
+    room.visible = false;
+    add("a lamp in a room", {room, place(sphere(10, false), "ball", {0.8, 0.4, 1.2})},
+        point_light({0.3, -0.2, 2.9}, 0.15));
+    add("a caster through the light", {place(box({-0.1F, -0.1F, 0.0F}, {0.1F, 0.1F, 5.0F}), "pole", {0.3, -0.2, 0.0})},
+        lamp, false);
+    add("a ball lamp with a collar", {place(sheet(-0.4, 0.4, -0.4, 0.4), "collar", {0.3, -0.2, 3.9})},
+        point_light({0.3, -0.2, 4.0}, 0.3), false);
+    return all;
+}
+
+TEST_F(MaskedRaysGl, NoPixelIsSureOfWhatIsNotSoInSingularPlaces) {
+    for (const Place& at : places()) {
+        const Shares shares = against_reference(at.scene);
+        EXPECT_EQ(shares.wrong, 0U) << at.name << ": of " << shares.pixels << ", worst " << shares.worst;
+        EXPECT_GE(shares.penumbra, at.penumbra ? 20U : 0U) << at.name;
+        EXPECT_EQ(shares.maybe < shares.pixels, at.decided) << at.name << ": " << shares.maybe;
+    }
+}
+
+TEST_F(MaskedRaysGl, DepthsAloneAreSureOfWhatIsNotSo) {
+    // Why edges: wires thinner than a texel and slits between two surfaces are nothing to the depths of a window.
+    const Shares edges = against_reference(garden(rectangle_light({0.3, -0.2, 4.0}, 0.6, 0.6)));
+    const Shares depth =
+        against_reference(garden(rectangle_light({0.3, -0.2, 4.0}, 0.6, 0.6)), {{"mask_test", std::string{"depth"}}});
+    EXPECT_EQ(edges.wrong, 0U);
+    EXPECT_GT(depth.wrong, depth.penumbra / 100);
+}
+
+TEST_F(MaskedRaysGl, EveryMapSizeIsConservativeAndLargerOnesHoldLess) {
+    const Scene scene = garden(rectangle_light({0.3, -0.2, 4.0}, 0.6, 0.6));
+    std::size_t before = ~std::size_t{0};
+    for (const int size : {64, 256, 1000}) {
+        const Shares shares = against_reference(scene, {{"mask_size", size}});
+        EXPECT_EQ(shares.wrong, 0U) << size << ", worst " << shares.worst;
+        EXPECT_LT(shares.maybe, before) << size;
+        before = shares.maybe;
+    }
+}
+
+TEST_F(MaskedRaysGl, TellsWhatTheMaskHoldsAndWhatItCost) {
+    renderer().set_scene(garden(rectangle_light({0.3, -0.2, 4.0}, 0.6, 0.6)));
+    std::map<std::string, double> told;
+    const VisibilityResult result = renderer().visibility(0, {"masked_rays", {}}, false, control_);
+    for (const Statistic& statistic : result.statistics) {
+        told[statistic.id] = statistic.value;
+    }
+    EXPECT_NEAR(told.at("mask_lit") + told.at("mask_umbra") + told.at("mask_maybe"), 1.0, 1e-9);
+    EXPECT_GT(told.at("mask_lit"), 0.2);
+    EXPECT_EQ(told.at("mask_wrong"), 0.0);
+    EXPECT_LE(told.at("full_share"), told.at("mask_maybe"));
+    EXPECT_GE(told.at("rays_per_traced_pixel"), 16.0);
+    EXPECT_LT(told.at("rays_per_traced_pixel"), 256.0);
+    // Depths alone are wrong, and the rays that check say so.
+    const VisibilityResult depth =
+        renderer().visibility(0, {"masked_rays", {{"mask_test", std::string{"depth"}}}}, false, control_);
+    const auto wrong = std::ranges::find(depth.statistics, "mask_wrong", &Statistic::id);
+    ASSERT_NE(wrong, depth.statistics.end());
+    EXPECT_GT(wrong->value, 0.0);
+}
+
+TEST_F(MaskedRaysGl, DebugViewsShowClassesAndBothMaps) {
+    renderer().set_scene(garden(rectangle_light({0.3, -0.2, 4.0}, 0.6, 0.6)));
+    const auto images = renderer().debug_images(0, {"masked_rays", {}}, {}, control_);
+    ASSERT_EQ(images.size(), 3U);
+    for (const NamedDebugImage& named : images) {
+        EXPECT_EQ(named.image.rgb.size(), static_cast<std::size_t>(named.image.width_px * named.image.height_px));
+        const auto [least, most] = std::ranges::minmax(named.image.rgb, {}, &glm::vec3::x);
+        EXPECT_LT(least.x, most.x) << named.view.id;
+    }
 }
 
 TEST_F(MaskedRaysGl, ALightWithoutExtentHasNoMaskAndOneRay) {

@@ -32,6 +32,15 @@ std::vector<SettingInfo> masked_rays_settings() {
          .maximum = 4096,
          .choices = {},
          .sweep = {}});
+    settings.push_back({.id = "check_rays",
+                        .label = "Check rays",
+                        .unit = "rays",
+                        .help = "Rays per sure pixel that count, outside all times, how many are wrongly sure.",
+                        .default_value = 4,
+                        .minimum = 0,
+                        .maximum = 65536,
+                        .choices = {},
+                        .sweep = {}});
     settings.push_back({.id = "seed",
                         .label = "Seed",
                         .unit = "",
@@ -64,6 +73,7 @@ MaskedRays::MaskedRays(const Settings& settings)
     : options_{.rays = get_int(settings, "rays"),
                .first_rays = get_int(settings, "first_rays"),
                .seed = static_cast<std::uint32_t>(get_int(settings, "seed"))},
+      check_rays_{get_int(settings, "check_rays")},
       mask_{PenumbraMask::options_from(settings)} {}
 
 Verdict MaskedRays::supports(const Light& /*light*/) const {
@@ -123,6 +133,9 @@ std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
     std::vector<Statistic> all;
     if (frame.plan().runs("penumbra mask")) {
         all = PenumbraMask::statistics(frame.summary(), classes_);
+        if (check_rays_ > 0) {
+            all.push_back(wrongly_sure(frame));
+        }
     }
     const auto pixels = static_cast<double>(std::max<std::uint64_t>(1, counts_.pixels));
     const auto asked = static_cast<double>(std::max<std::uint64_t>(1, frame.summary().lit_pixels));
@@ -132,6 +145,24 @@ std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
     all.push_back(
         {"rays_per_traced_pixel", "Rays per traced pixel", "rays", static_cast<double>(counts_.rays) / pixels});
     return all;
+}
+
+Statistic MaskedRays::wrongly_sure(Frame& frame) const {
+    const LightSummary& summary = frame.summary();
+    std::vector<std::uint8_t> sure(classes_.size());
+    for (std::size_t i = 0; i < sure.size(); ++i) {
+        sure[i] = summary.mask[i] != 0 && static_cast<PenumbraMask::Class>(classes_[i]) != PenumbraMask::Class::Maybe;
+    }
+    std::vector<float> found(sure.size(), 1.0F);
+    const MaskedTraceOptions plain{.rays = check_rays_, .first_rays = check_rays_, .seed = options_.seed};
+    trace_masked(frame.ray_scene(), frame.view(), frame.light(), sure, plain, found, frame.control());
+    std::uint64_t wrong = 0;
+    for (std::size_t i = 0; i < sure.size(); ++i) {
+        const bool lit = static_cast<PenumbraMask::Class>(classes_[i]) == PenumbraMask::Class::Lit;
+        wrong += sure[i] != 0 && found[i] != (lit ? 1.0F : 0.0F) ? 1 : 0;
+    }
+    return {"mask_wrong", "Wrongly sure, by " + std::to_string(check_rays_) + " rays each", "share of the mask",
+            static_cast<double>(wrong) / static_cast<double>(std::max<std::uint64_t>(1, summary.lit_pixels))};
 }
 
 std::vector<DebugView> MaskedRays::debug_views(const Plan& plan) const {

@@ -29,7 +29,11 @@ public:
     [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
 
 private:
+    /// Sure pixels whose rays say otherwise.
+    [[nodiscard]] Statistic wrongly_sure(Frame& frame) const;
+
     MaskedTraceOptions options_;
+    int check_rays_;
     PenumbraMask mask_;
     std::vector<std::uint8_t> classes_;
     MaskedTraceCounts counts_;
