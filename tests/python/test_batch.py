@@ -244,6 +244,45 @@ def test_an_interrupt_ends_all_and_keeps_what_is_finished(
     assert not (out / ".penumbra").exists()
 
 
+_LINK = """
+import bpy, sys
+bpy.ops.wm.open_mainfile(filepath=sys.argv[-2])
+with bpy.data.libraries.load(sys.argv[-1].replace("linking", "hero"), link=True) as (there, wanted):
+    wanted.objects = ["Hero"]
+bpy.context.scene.collection.objects.link(bpy.data.objects["Hero"])
+bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1], compress=False)
+"""
+_HERO = """
+import bpy, sys
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+mesh = bpy.data.meshes.new("Hero")
+size = float(sys.argv[-2])
+mesh.from_pydata([(0, 0, 1), (size, 0, 1), (0, size, 1)], [], [(0, 1, 2)])
+bpy.context.scene.collection.objects.link(bpy.data.objects.new("Hero", mesh))
+bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1], compress=False)
+"""
+
+
+def test_a_scene_is_done_anew_when_a_library_it_links_has_changed(
+    penumbra: Run, wall_blend: Path, tmp_path: Path
+) -> None:
+    def blender(program: str, *words: object) -> None:
+        subprocess.run([sys.executable, "-c", program, *map(str, words)], check=True, capture_output=True)
+
+    scene, out = tmp_path / "linking.blend", tmp_path / "out"
+    blender(_HERO, 1, tmp_path / "hero.blend")
+    blender(_LINK, wall_blend, scene)
+    words = ["batch", scene, "--out", out, "--render", "--technique=shadow_map", "--size=64x36", "--format=png"]
+    assert penumbra(*words).returncode == 0
+    picture = out / "linking" / "linking_current.png"
+    before = picture.read_bytes()
+    assert penumbra(*words, "--dry-run").stdout.startswith("1 item: all done before")
+    blender(_HERO, 2, tmp_path / "hero.blend")
+    again = penumbra(*words)
+    assert again.stdout.startswith("1 item: 0 done before, 1 to do (1 hero.blend has changed)"), again.stdout
+    assert picture.read_bytes() != before
+
+
 def test_a_missing_camera_is_a_failure_of_its_items_alone(
     penumbra: Run, moving: Path, wall_blend: Path, tmp_path: Path
 ) -> None:

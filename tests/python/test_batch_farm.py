@@ -91,6 +91,7 @@ def test_without_a_scheduler_the_sentence_names_the_address(penumbra: Run, tmp_p
     result = penumbra("batch", tmp_path / "a.blend", "--out", tmp_path / "out", "--dask", address)
     assert result.returncode == 2
     assert f"no Dask scheduler answers at {address}" in result.stderr
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.usefixtures("core")

@@ -23,7 +23,15 @@ _TELL_S = 1.0
 LOST_WORKERS = 5  # an item that was on so many lost workers is given up
 
 
-def run(items: Sequence[Item], store: Store, address: str, tell: Tell) -> Iterator[Outcome]:
+def run(
+    items: Sequence[Item],
+    store: Store,
+    address: str,
+    tell: Tell,
+    *,
+    items_per_worker: int = ITEMS_PER_WORKER,
+    timeout_s: float | None = None,
+) -> Iterator[Outcome]:
     """Outcomes as they come. On Ctrl-C what has not begun is taken back; what runs is finished and kept.
 
     @raises UserError without Dask, without a scheduler at the address, or on a worker without Penumbra
@@ -34,7 +42,12 @@ def run(items: Sequence[Item], store: Store, address: str, tell: Tell) -> Iterat
         raise UserError("Dask is not installed here; run: pip install 'penumbra[dask]'") from error
     by_key = {f"penumbra-{item.id}-{uuid.uuid4().hex[:8]}": item for item in items}
     with _connected(distributed, address) as client:
-        order = {"out": str(store.out.resolve()), "core": core_digest()}
+        order = {
+            "out": str(store.out.resolve()),
+            "core": core_digest(),
+            "items_per_worker": items_per_worker,
+            "timeout_s": timeout_s,
+        }
         task = _task()
         futures = [
             client.submit(task, order | {"item": item.to_json()}, key=key, pure=False) for key, item in by_key.items()
@@ -108,8 +121,8 @@ def run_here(order: Document) -> Document:
     store = Store(Path(order["out"]))
     reason, lines = "", list[str]()
     for attempt in range(1, ATTEMPTS + 1):
-        child = _child(store)
-        message = wait_alone(child, item, order["core"])
+        child = _child(store, order["items_per_worker"])
+        message = wait_alone(child, item, order["core"], order["timeout_s"])
         if message is not None and "done" in message:
             return {"document": message["done"], "attempts": attempt}
         lines = child.last_lines()
@@ -123,10 +136,10 @@ def run_here(order: Document) -> Document:
     return {"reason": f"{reason}, {times(ATTEMPTS)}", "lines": lines, "attempts": ATTEMPTS}
 
 
-def _child(store: Store) -> Child:
+def _child(store: Store, items_per_worker: int) -> Child:
     child: Child | None = getattr(_here, "child", None)
     if child is not None and (
-        child.process.poll() is not None or child.items >= ITEMS_PER_WORKER or child.store.out != store.out
+        child.process.poll() is not None or child.items >= items_per_worker or child.store.out != store.out
     ):
         _drop()
         child = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections import Counter, deque
@@ -189,13 +190,18 @@ def _share_of_machine(workers: int) -> dict[str, str]:
     return {name: share for name in names if name not in os.environ}
 
 
-def wait_alone(child: Child, item: Item, core: str) -> dict[str, Any] | None:
-    """Gives one item to one worker and waits: the last message, or None when the worker has died."""
+def wait_alone(child: Child, item: Item, core: str, timeout_s: float | None) -> dict[str, Any] | None:
+    """Gives one item to one worker and waits: the last message, or None when the worker has died or is too late."""
     try:
         child.give(item, core)
     except OSError:
         return None
-    while (message := child.hear()) is not None:
-        if "done" in message or "failed" in message:
+    end = time.monotonic() + timeout_s if timeout_s is not None else math.inf
+    while True:
+        left = end - time.monotonic()
+        if math.isfinite(left) and not child.channel.poll(max(0.0, left)):
+            child.kill()
+            return None
+        message = child.hear()
+        if message is None or "done" in message or "failed" in message:
             return message
-    return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from collections import Counter
@@ -83,12 +84,16 @@ def run(job: Job, how: How, say: Say) -> int:
     started = time.monotonic()
     outcomes: dict[str, Outcome] = {}
     if to_do:
+        new = not store.out.exists()
         store.out.mkdir(parents=True, exist_ok=True)
         store.tidy()
         try:
             outcomes = _do(to_do, job, how, store)
         finally:
             store.close()
+            if new:
+                with contextlib.suppress(OSError):
+                    store.out.rmdir()  # nothing came of it
     failed = [outcome for outcome in outcomes.values() if outcome.status == "failed"]
     results = [_result(entry, outcomes.get(entry.item.id), store, how) for entry in planned]
     if not how.summary:
@@ -136,7 +141,9 @@ def _outcomes(items: list[Item], job: Job, how: How, store: Store, tell: Tell) -
     if how.dask is not None:
         from . import dask_farm
 
-        yield from dask_farm.run(items, store, how.dask, tell)
+        yield from dask_farm.run(
+            items, store, how.dask, tell, items_per_worker=how.items_per_worker, timeout_s=how.timeout_s
+        )
         return
     workers = LocalWorkers(
         store, min(job.workers, len(items)), items_per_worker=how.items_per_worker, timeout_s=how.timeout_s
