@@ -12,7 +12,7 @@ from typing import Any
 from checks import check_files
 
 OPTIONS = ("--size=64x36", "--techniques=shadow_map", "--lights=Key", "--reference-error=0.1")
-PATIENCE_S = 120.0
+PATIENCE_S = 60.0
 
 
 def summary_of(folder: Path) -> dict[str, Any]:

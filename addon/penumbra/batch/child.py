@@ -36,8 +36,10 @@ def command(descriptor: int) -> list[str]:
 class Child:
     """Starts at once, and takes a first item while it is still starting."""
 
-    def __init__(self, store: Store, variables: dict[str, str] | None = None) -> None:
+    def __init__(self, store: Store, variables: dict[str, str] | None = None, *, workers: int = 1) -> None:
+        """workers: how many share the machine, which is noted in every result."""
         self.store = store
+        self._workers = workers
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 (closed in close())
         # Blender leaves its temporary folder behind when it is killed.
         self._temporary = tempfile.mkdtemp(prefix="penumbra-worker-")
@@ -64,7 +66,12 @@ class Child:
         """
         self.items += 1
         self.scene = item.scene
-        order = {"item": item.to_json(), "out": str(self.store.out.resolve()), "core": core or core_digest()}
+        order = {
+            "item": item.to_json(),
+            "out": str(self.store.out.resolve()),
+            "core": core or core_digest(),
+            "workers": self._workers,
+        }
         self.channel.send_bytes(json.dumps(order).encode())
 
     def hear(self) -> dict[str, Any] | None:

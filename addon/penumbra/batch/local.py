@@ -94,7 +94,7 @@ class LocalWorkers:
             hand.child.close()
             hand.child = None
         if hand.child is None:
-            hand.child = Child(self._store, self._variables)
+            hand.child = Child(self._store, self._variables, workers=len(self._hands))
         item = self._next(hand.child.scene)
         hand.item, hand.share, hand.text, hand.since = item, 0.0, "", time.monotonic()
         try:

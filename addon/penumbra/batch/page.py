@@ -12,7 +12,7 @@ from . import chart
 from .summary import Book, Shot, Technique
 
 MAX_COURSES = 12  # drawings of error over frames; each shot's own figures are in the table
-_FULL_SCALE = 0.3  # a hard shadow in place of a penumbra has 0.29
+_FULL_SCALE = 0.5  # as in the error pictures
 
 
 def page(book: Book) -> str:
@@ -34,9 +34,9 @@ def page(book: Book) -> str:
 
 
 def duration(seconds: float) -> str:
-    """ "4.2 s", "12 min 5 s", "3 h 20 min"."""
+    """ "90 ms", "4.2 s", "12 min 5 s", "3 h 20 min"."""
     if seconds < 60:
-        return f"{seconds:.1f} s"
+        return f"{seconds:.1f} s" if seconds >= 0.95 else f"{1000 * seconds:.0f} ms"
     minutes, rest = divmod(round(seconds), 60)
     if minutes < 60:
         return f"{minutes} min {rest} s"

@@ -228,6 +228,8 @@ def _alive(pid: int) -> bool:
         return False
     except OSError:
         return True
+    with contextlib.suppress(OSError):  # an orphan that nobody has buried yet is dead all the same
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in ("Z", "X")
     return True
 
 

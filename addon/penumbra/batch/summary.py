@@ -64,6 +64,7 @@ class Shot:
     seconds: float
     kept: bool
     attempts: int
+    workers: int  # that shared its machine
     machine: str
     device: str
     figures: tuple[Figure, ...]
@@ -134,7 +135,7 @@ class Book:
     technique: str  # of a render
     environment: dict[str, Any]
     seconds: float
-    workers: int
+    workers: int  # the most that shared a machine
     counts: dict[str, int]
     failures: tuple[Failure, ...]
     shots: tuple[Shot, ...]  # worst first
@@ -161,7 +162,7 @@ def collect(job: Job, results: Sequence[Result], given: list[str], seconds: floa
         technique=job.technique,
         environment=environment.collect(native.load(), None, given),
         seconds=seconds,
-        workers=job.workers,
+        workers=max((shot.workers for shot in shots), default=1),
         counts={
             "items": len(results),
             "done": sum(not shot.kept for shot in shots),
@@ -200,6 +201,7 @@ def _shot(result: Result, job: Job) -> Shot:
         seconds=float(document.get("seconds", 0.0)),
         kept=result.kept,
         attempts=result.attempts,
+        workers=int(document.get("workers", 1)),
         machine=str(document.get("host", "")),
         device=device,
         figures=figures,

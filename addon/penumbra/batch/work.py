@@ -35,8 +35,10 @@ class Workbench:
         self._facts = Facts()
         self._open: Document | None = None
 
-    def do(self, item: Item, out: Path, core: str, progress: Progress) -> Document:
+    def do(self, item: Item, out: Path, core: str, workers: int, progress: Progress) -> Document:
         """@return item.json; the result is in its place.
+
+        core: digest of the build that the batch was started with; workers: how many share this machine
 
         @raises UserError for what will not be better next time, anything else for what might
         """
@@ -67,6 +69,7 @@ class Workbench:
                 "notes": notes,
                 "seconds": round(time.monotonic() - started, 3),
                 "memory_bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+                "workers": workers,
                 "host": socket.gethostname(),
                 "date": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
             }

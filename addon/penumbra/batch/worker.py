@@ -1,8 +1,8 @@
 """The worker process: takes items from a pipe, one after another, and tells how each goes.
 
 It is started by child.py as `penumbra batch-worker`, as Blender itself where the batch runs in Blender. Messages are
-JSON, one per item of multiprocessing's Connection: to the worker {"item", "out", "core"}; from it {"ready"}, then per
-item any number of {"progress": [share, text]} and one of {"done": item.json} or {"failed": sentence, "final": bool}.
+JSON: to the worker {"item", "out", "core", "workers"}; from it {"ready"} once, then per item any number
+of {"progress": [share, text]} and one of {"done": item.json} or {"failed": sentence, "final": bool}.
 """
 
 from __future__ import annotations
@@ -18,11 +18,14 @@ import time
 import traceback
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .. import interrupts
 from ..errors import UserError, sentence_of
 from ..progress import ToldProgress
+
+if TYPE_CHECKING:
+    from .work import Workbench
 
 _TELL_INTERVAL_S = 0.2
 _IDLE_S = 120.0  # then it goes: on a farm nobody says that a batch is over
@@ -49,7 +52,7 @@ def serve(descriptor: int) -> int:
         return 0
 
 
-def _answer(bench: Any, order: dict[str, Any], channel: Connection) -> dict[str, Any]:
+def _answer(bench: Workbench, order: dict[str, Any], channel: Connection) -> dict[str, Any]:
     from .jobs import Item
 
     told_at = 0.0
@@ -61,7 +64,8 @@ def _answer(bench: Any, order: dict[str, Any], channel: Connection) -> dict[str,
             _send(channel, {"progress": [share, text]})
 
     try:
-        return {"done": bench.do(Item.from_json(order["item"]), Path(order["out"]), order["core"], ToldProgress(tell))}
+        item, out = Item.from_json(order["item"]), Path(order["out"])
+        return {"done": bench.do(item, out, order["core"], order["workers"], ToldProgress(tell))}
     except UserError as error:
         return {"failed": str(error), "final": True}
     except (BrokenPipeError, ConnectionResetError):
