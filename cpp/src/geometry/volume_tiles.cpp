@@ -133,7 +133,7 @@ void TileWalker::walk(const glm::dvec4& a, const glm::dvec4& b, const glm::dvec4
             const double over_w = 1.0 / p.w;
             polygon.add({(0.5 + 0.5 * p.x * over_w) * grid_->width_px / TileGrid::kTile_px,
                          (0.5 + 0.5 * p.y * over_w) * grid_->height_px / TileGrid::kTile_px,
-                         std::clamp(p.z * over_w, 0.0, 1.0)});
+                         p.z * over_w});  // not clamped to 0 .. 1: clamped, it would not be affine
             bottom = std::min(bottom, polygon.points[static_cast<std::size_t>(polygon.count - 1)].y);
             top = std::max(top, polygon.points[static_cast<std::size_t>(polygon.count - 1)].y);
         }
@@ -143,6 +143,11 @@ void TileWalker::walk(const glm::dvec4& a, const glm::dvec4& b, const glm::dvec4
     const int last_row = std::min(last_row_, static_cast<int>(std::floor(top + kMargin)));
     if (polygon.count < 2) {
         return;
+    }
+    // What interpolation may lose of depths far beyond those that are seen.
+    slack_ = 0.0F;
+    for (int i = 0; i < polygon.count; ++i) {
+        slack_ = std::max(slack_, 2e-6F * std::abs(polygon.points[static_cast<std::size_t>(i)].z));
     }
     for (int row = first_row; row <= last_row; ++row) {
         walk_row(polygon.points.data(), polygon.count, row, z_pass, tiles);
@@ -245,8 +250,8 @@ void TileWalker::walk_row(const glm::vec3* points, int count, int row, bool z_pa
         const float low = wide ? low_[static_cast<std::size_t>(column)] : farthest;
         // Fragments before all that is seen do not fail, those behind all of it do not pass. What no part told of (by
         // rounding) is kept.
-        const bool matters = !(low <= high) || (z_pass ? high * (1.0F + kDepthSlack) >= grid_->farthest[i]
-                                                       : low * (1.0F - kDepthSlack) <= grid_->nearest[i]);
+        const bool matters = !(low <= high) || (z_pass ? high * (1.0F + kDepthSlack) + slack_ >= grid_->farthest[i]
+                                                       : low * (1.0F - kDepthSlack) - slack_ <= grid_->nearest[i]);
         if (matters) {
             tiles.push_back(static_cast<std::uint32_t>(i));
         }

@@ -209,9 +209,11 @@ void VolumePass::prepare(Frame& frame) {
     send_vertices(gpu_scene);
     GpuAdjacency& adjacency = frame.adjacency();
     slots_.clear();
+    slot_of_instance_.clear();
     for (std::size_t i = 0; i < summary.casters.size(); ++i) {
         const std::uint32_t instance = summary.casters[i];
         const std::uint32_t mesh = gpu_scene.mesh_of_instance(instance);
+        slot_of_instance_[instance] = static_cast<std::uint32_t>(slots_.size());
         slots_.push_back({instance, mesh, needs_no_caps(summary, i)});
         if (!makers_.contains(mesh)) {
             makers_.emplace(mesh, std::make_unique<VolumeMaker>(*meshes_[mesh], adjacency.of_mesh(mesh)));
@@ -377,15 +379,11 @@ void VolumePass::find_on_device(Frame& frame, const glm::dvec4& light_ws) {
                           " triangles, more than 32-bit indices can count; simplify or hide some");
     }
     // Which commands are a slot's: two before they are sorted, found again by where their indices begin.
-    std::map<std::uint32_t, std::uint32_t> slot_of;
-    for (std::uint32_t i = 0; i < slots_.size(); ++i) {
-        slot_of[slots_[i].instance] = i;
-    }
     sort_commands(all);
     for (const Group& group : groups_) {
         for (std::size_t c = group.first; c < group.first + group.count; ++c) {
             const std::uint32_t instance = drawn_[c].base_instance;
-            gpu::VolumeSlot& data = slots[slot_of.at(instance)];
+            gpu::VolumeSlot& data = slots[slot_of_instance_.at(instance)];
             (group.clockwise == gpu_scene.mirrored(instance) ? data.wound_command : data.flipped_command) =
                 static_cast<std::uint32_t>(c);
         }
@@ -482,6 +480,25 @@ void VolumePass::issue(const Group& group) const {
                                 static_cast<GLsizei>(group.count), 0);
 }
 
+void VolumePass::draw_under_conditions(const Program& program, std::span<const GLuint> conditions) const {
+    for (const Group& group : groups_) {
+        set_state(group, program);
+        for (std::size_t c = group.first; c < group.first + group.count; ++c) {
+            const GLuint query = conditions[slot_of_instance_.at(drawn_[c].base_instance)];
+            Group one = group;
+            one.first = c;
+            one.count = 1;
+            if (query != 0) {
+                glBeginConditionalRender(query, GL_QUERY_NO_WAIT);
+            }
+            issue(one);
+            if (query != 0) {
+                glEndConditionalRender();
+            }
+        }
+    }
+}
+
 void VolumePass::set_state(const Group& group, const Program& program) const {
     if (in_image_) {
         // Fragments that fail the z-fail test's comparison, or pass z-pass's.
@@ -495,7 +512,16 @@ void VolumePass::set_state(const Group& group, const Program& program) const {
     glStencilOpSeparate(GL_BACK, GL_KEEP, group.z_pass ? GL_KEEP : GL_INCR_WRAP, group.z_pass ? GL_DECR_WRAP : GL_KEEP);
 }
 
-void VolumePass::sort_into_tiles(Frame& frame, const TileGrid& grid) {
+void VolumePass::sort_into_tiles(Frame& frame, const VolumeMask& mask) {
+    const TileGrid& grid = *mask.tiles;
+    std::vector<std::uint8_t> hidden(slots_.size(), 0);
+    for (std::size_t i = 0; i < mask.conditions.size(); ++i) {
+        if (mask.conditions[i] != 0) {
+            GLuint passed = 1;
+            glGetQueryObjectuiv(mask.conditions[i], GL_QUERY_RESULT, &passed);
+            hidden[i] = passed == 0 ? 1 : 0;
+        }
+    }
     read_back();
     std::vector<std::int32_t> rectangle_of;
     const std::vector<TileRectangle> rectangles = rectangles_of(grid, rectangle_of);
@@ -529,7 +555,8 @@ void VolumePass::sort_into_tiles(Frame& frame, const TileGrid& grid) {
     std::vector<Piece> pieces;
     constexpr std::uint32_t kPiece = 2048;
     for (std::uint32_t c = 0; c < drawn_.size(); ++c) {
-        for (std::uint32_t first = 0; first < drawn_[c].count / 3; first += kPiece) {
+        const bool drawn = hidden[slot_of_instance_.at(drawn_[c].base_instance)] == 0;
+        for (std::uint32_t first = 0; drawn && first < drawn_[c].count / 3; first += kPiece) {
             pieces.push_back({c, first, std::min(kPiece, drawn_[c].count / 3 - first), {}});
         }
     }
@@ -663,7 +690,7 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     const Program& program = frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, defines);
     set_uniforms(frame, program);
     if (mask.tiles != nullptr) {
-        sort_into_tiles(frame, *mask.tiles);
+        sort_into_tiles(frame, mask);
     }
     if (mask.kind == Kind::Class) {
         program.set("wanted_class", mask.wanted);
@@ -696,6 +723,8 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     }
     if (mask.tiles != nullptr) {
         draw_in_tiles(program);
+    } else if (!mask.conditions.empty()) {
+        draw_under_conditions(program, mask.conditions);
     } else {
         for (const Group& group : groups_) {
             set_state(group, program);

@@ -51,6 +51,8 @@ struct VolumeMask {
     const TextureImage* depth_stencil = nullptr;
     /// Nothing need be drawn but in its wanted tiles; nullptr: everywhere. A pre-filter: combine it with another kind.
     const TileGrid* tiles = nullptr;
+    /// Per caster of the summary: a query without whose samples it is not drawn, 0 for none; empty: all are drawn.
+    std::span<const GLuint> conditions{};
 };
 
 /// Shadow volumes [Crow1977] of chosen casters, counted against the camera's depth: at every pixel how many of their
@@ -139,7 +141,8 @@ private:
     void set_uniforms(Frame& frame, const Program& program);
     [[nodiscard]] VertexArray make_vertex_array(const StorageBuffer& indices) const;
     void set_state(const Group& group, const Program& program) const;
-    void sort_into_tiles(Frame& frame, const TileGrid& grid);
+    void sort_into_tiles(Frame& frame, const VolumeMask& mask);
+    void draw_under_conditions(const Program& program, std::span<const GLuint> conditions) const;
     void draw_in_tiles(const Program& program) const;
     void issue(const Group& group) const;
 
@@ -152,6 +155,7 @@ private:
     std::vector<std::uint32_t> found_indices_;
     std::vector<Group> groups_;
     std::vector<DrawCommand> drawn_;  ///< as in commands_
+    std::map<std::uint32_t, std::uint32_t> slot_of_instance_;
     /// Of sort_into_tiles(): what each rectangle draws.
     struct Cell {
         glm::ivec4 scissor{0};

@@ -301,6 +301,36 @@ TEST_F(HybridGl, MoreThan127VolumesInEachOtherAreStillCounted) {
     EXPECT_GT(wrapped.missing, 0U) << "128 nested volumes are none modulo 128, as the specification says";
 }
 
+TEST_F(HybridGl, CastersThatLieInShadowAltogetherAreCulled) {
+    Scene scene = small(scenes::cage());
+    scene.instances.push_back(scenes::place(scenes::sheet(-1, 1, -1, 1), "awning", {1.9, -1.5, 4.9}));
+    scene.instances.push_back(
+        scenes::place(scenes::box({-0.1F, -0.1F, 0}, {0.1F, 0.1F, 0.2F}), "under it", {-2.3, 1.8, 0.0}));
+    scene.instances.push_back(
+        scenes::place(scenes::box({-0.1F, -0.1F, 0}, {0.1F, 0.1F, 0.2F}), "in the open", {0.5, -2.5, 0}));
+    scene.lights[0] = scenes::sun_light({-4.2, 3.3, -4.8}, 0.0);
+    for (const std::string mask : {"stencil", "tiles"}) {
+        const Settings culling{{"caster_culling", true}, {"mask", mask}};
+        renderer().set_scene(scene);
+        const auto culled = renderer().visibility(0, {"hybrid", culling}, false, control_);
+        EXPECT_EQ(culled.visibility, visibility(scene, "hybrid", {{"mask", mask}})) << mask;
+        const auto found = std::find_if(culled.statistics.begin(), culled.statistics.end(),
+                                        [](const Statistic& s) { return s.id == "culled_casters"; });
+        ASSERT_NE(found, culled.statistics.end());
+        EXPECT_GE(found->value, 1.0) << mask;  // and one that shades nothing that is seen
+        EXPECT_LE(found->value, 2.0) << mask;
+    }
+}
+
+TEST_F(HybridGl, WithNothingTaggedTheMapDecidesAlone) {
+    Scene scene = under_blocker(scenes::sheet(-30, 30, -30, 30), 64);  // no edge in sight
+    for (const std::string mask : {"stencil", "tiles", "discard"}) {
+        const Made made = make(scene, {{"mask", mask}});
+        EXPECT_EQ(compare(made).tagged, 0U);
+        EXPECT_EQ(std::count(made.hybrid.begin(), made.hybrid.end(), 0.0F), 64 * 64);
+    }
+}
+
 TEST_F(HybridGl, StatisticsAreWhatTheThesisReports) {
     const Scene scene = small(scenes::cage());
     renderer().set_scene(scene);

@@ -83,6 +83,11 @@ std::vector<SettingInfo> hybrid_settings() {
                        "Untags pixels where a texel of the map is smaller than a pixel. conservative: by its longer "
                        "extent; scalar: by the published estimate, which drops pixels that do alias.",
                        {"off", "conservative", "scalar"}),
+        toggle_setting(
+            "caster_culling", "Caster culling",
+            "Leaves out volumes of casters that the map shows to lie in shadow altogether. Gaps that the map "
+            "does not see are closed by it.",
+            false),
         choice_setting("mask", "Computation mask",
                        "stencil: one bit of it; tiles: draws only in rectangles that hold tagged pixels as well; "
                        "depth_bounds: a copy of the depth, where the device has the test; discard: by the fragment "
@@ -121,6 +126,7 @@ Hybrid::Hybrid(const Settings& settings)
       ratio_{get_choice(settings, "ratio_culling") == "off"      ? Ratio::Off
              : get_choice(settings, "ratio_culling") == "scalar" ? Ratio::Scalar
                                                                  : Ratio::Conservative},
+      cull_casters_{get_bool(settings, "caster_culling")},
       pcf_form_{get_choice(settings, "test") == "pcf"},
       receiver_plane_{get_bool(settings, "receiver_plane") && !pcf_form_},
       bias_texels_{static_cast<float>(get_double(settings, "bias"))} {}
@@ -132,6 +138,9 @@ Verdict Hybrid::supports(const Light& /*light*/) const {
 Plan Hybrid::plan(const LightSummary& summary) const {
     Plan plan;
     if (map_.plan(summary, "classify", plan)) {
+        if (cull_casters_) {
+            plan.run("casters in shadow");
+        }
         plan.run("mask");
     }
     volumes_.plan(summary, "lookup", plan);
@@ -156,6 +165,7 @@ void Hybrid::prepare(Frame& frame) {
     volumes_.prepare(frame);
     const View& view = frame.view();
     classes_ = TextureImage::make_2d(GL_R8UI, view.width, view.height, "hybrid classes");
+    any_tagged_ = Query::create(GL_ANY_SAMPLES_PASSED);
     class_target_ = RenderTarget{"hybrid classes"};
     class_target_.attach_colour(0, classes_);
     if (mask_for(frame) == Mask::DepthBounds) {
@@ -181,6 +191,7 @@ void Hybrid::prepare(Frame& frame) {
 void Hybrid::update(Frame& frame) {
     if (frame.plan().runs("lookup")) {
         map_.update(frame);
+        frame.step("casters in shadow", [&] { culling_.test(frame, map_); });
         frame.step("volumes", [&] { volumes_.extract(frame); });
     }
 }
@@ -251,7 +262,9 @@ void Hybrid::install_mask(Frame& frame) {
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(GL_ALWAYS, VolumeMask::kBit, 0xFF);
     glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+    glBeginQuery(GL_ANY_SAMPLES_PASSED, any_tagged_.name());
     frame.fullscreen().draw(stencil_target_, program);
+    glEndQuery(GL_ANY_SAMPLES_PASSED);
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
     glStencilFunc(GL_ALWAYS, 0, 0xFF);
     glDisable(GL_STENCIL_TEST);
@@ -279,16 +292,30 @@ void Hybrid::count(Frame& frame) {
     }
     switch (mask_for(frame)) {
         case Mask::Discard:
-            mask = {.kind = VolumeMask::Kind::Class, .classes = &classes_, .wanted = kTagged};
+            mask.kind = VolumeMask::Kind::Class;
+            mask.classes = &classes_;
+            mask.wanted = kTagged;
             break;
         case Mask::DepthBounds:
-            mask = {.kind = VolumeMask::Kind::DepthBounds, .depth_stencil = &masked_depth_};
+            mask.kind = VolumeMask::Kind::DepthBounds;
+            mask.depth_stencil = &masked_depth_;
             break;
         default:
             mask.kind = VolumeMask::Kind::Stencil;
             break;
     }
+    if (cull_casters_) {
+        mask.conditions = culling_.conditions();
+    }
+    // Nothing tagged, nothing drawn. Conditions do not nest, and tiles know it already.
+    const bool conditional = mask.kind == VolumeMask::Kind::Stencil && mask.tiles == nullptr && !cull_casters_;
+    if (conditional) {
+        glBeginConditionalRender(any_tagged_.name(), GL_QUERY_NO_WAIT);
+    }
     volumes_.count(frame, mask);
+    if (conditional) {
+        glEndConditionalRender();
+    }
 }
 
 void Hybrid::resolve(Frame& frame) {
@@ -389,6 +416,10 @@ std::vector<Statistic> Hybrid::statistics(Frame& frame) {
     const double pixels = std::max(1.0, static_cast<double>(classes.size()));
     all.push_back({"tagged", "Tagged pixels", "pixels", tagged});
     all.push_back({"tagged_share", "Tagged pixels", "share of the picture", tagged / pixels});
+    if (cull_casters_) {
+        all.push_back({"culled_casters", "Casters that lie in shadow altogether", "casters",
+                       static_cast<double>(culling_.culled())});
+    }
     if (mask_for(frame) == Mask::Tiles) {
         all.push_back({"drawn_in_tiles", "Triangles drawn, once for each rectangle of tiles", "triangles",
                        static_cast<double>(volumes_.drawn_in_tiles())});

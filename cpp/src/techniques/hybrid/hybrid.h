@@ -6,6 +6,7 @@
 #include "passes/centre_map.h"
 #include "passes/volume_pass.h"
 #include "penumbra/technique.h"
+#include "techniques/hybrid/caster_culling.h"
 
 namespace penumbra {
 
@@ -45,10 +46,13 @@ private:
     VolumePass volumes_;
     Mask mask_ = Mask::Auto;
     Ratio ratio_ = Ratio::Off;
+    bool cull_casters_ = false;
+    CasterCulling culling_;
     bool pcf_form_ = false, receiver_plane_ = true;
     float bias_texels_ = 0.0F;
     TextureImage classes_;
     RenderTarget class_target_;
+    Query any_tagged_;
     TextureImage masked_depth_;  ///< depth bounds only: the view's depth, 0 where no pixel is tagged
     RenderTarget masked_target_;
     VertexArray no_attributes_;
