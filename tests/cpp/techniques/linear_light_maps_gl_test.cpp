@@ -527,6 +527,22 @@ TEST_F(LinearLightMapsGl, AShortLightNeedsNoSkinsAndThePlanSaysSo) {
     EXPECT_FALSE(fires(result(wide, {}).plan, "skin-under-threshold"));
 }
 
+TEST_F(LinearLightMapsGl, ThePlanSaysWhichLinesStandForTheLight) {
+    const auto said = [&](const Light& light) {
+        const Plan plan = result(fence_scene(light), {{"map_size", 64}}).plan;
+        const auto found = std::ranges::find_if(
+            plan.steps, [](const Step& step) { return step.name.find(" as ") != std::string::npos; });
+        return found == plan.steps.end() ? std::string{} : found->name;
+    };
+    Light disc = scenes::rectangle_light({0.3, -0.2, 4.0}, 2.0, 1.0);
+    disc.kind = LightKind::Ellipse;
+    EXPECT_EQ(said(disc), "ellipse as 1 line, 1.7 m along (1, 0, 0)");
+    EXPECT_EQ(said(scenes::rectangle_light({0.3, -0.2, 4.0}, 1.0, 1.0)),
+              "rectangle as 4 lines, the first 1 m along (1, 0, 0)");
+    EXPECT_TRUE(said(scenes::point_light({0.3, -0.2, 4.0}, 0.3)).starts_with("sphere as 1 line, 0.52 m along"));
+    EXPECT_EQ(said(line_light({0.3, -0.2, 4.0}, {0.4, 0.1, 0.0})), "");
+}
+
 TEST_F(LinearLightMapsGl, ItTellsWhatItUsedAndShowsWhatItDrew) {
     const Scene scene = fence_scene(line_light({0.3, -0.2, 4.0}, {0.4, 0.1, 0.0}));
     const VisibilityResult found = result(scene, {{"samples", 3}, {"map_size", 256}});

@@ -133,6 +133,20 @@ glm::dvec3 upright_of(const LightSummary& summary, const glm::dvec3& middle_cr) 
     return glm::normalize(*longest);
 }
 
+/// What is done in place of the light, in words: "sphere as 1 line, 0.52 m along (1, 0, 0)".
+std::string stand_in(const Light& light, std::size_t lines, const glm::dvec3& half_ws) {
+    const double length = 2.0 * glm::length(half_ws);
+    const glm::dvec3 along = length > 0.0 ? 2.0 * half_ws / length : glm::dvec3{0.0};
+    const bool sphere = light.kind == LightKind::Point || light.kind == LightKind::Spot;
+    std::string words = sphere ? "sphere" : std::string{to_string(light.kind)};
+    words += lines == 1 ? " as 1 line, " : " as " + std::to_string(lines) + " lines, the first ";
+    words += number_in_words(length) + (light.kind == LightKind::Sun ? " (slope)" : " m") + " along (";
+    for (int i = 0; i < 3; ++i) {
+        words += (i > 0 ? ", " : "") + number_in_words(std::abs(along[i]) < 0.005 ? 0.0 : along[i]);
+    }
+    return words + ")";
+}
+
 bool round_without_axes(LightKind kind) {
     return kind == LightKind::Point || kind == LightKind::Spot || kind == LightKind::Sun;
 }
@@ -232,6 +246,9 @@ Plan LinearLightMaps::plan(const LightSummary& summary) const {
         return plan;
     }
     const std::vector<Rod> rods = fit_rods(summary);
+    if (summary.has_extent && summary.light->kind != LightKind::Line) {
+        plan.run(stand_in(*summary.light, rods.size(), rods.front().segment.half_ws));
+    }
     if (most_samples_ > 0 && summary.has_extent) {
         plan.run(kPlacement);
     }
