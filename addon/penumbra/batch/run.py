@@ -82,11 +82,12 @@ def run(job: Job, how: How, say: Say) -> int:
         return errors.OK
     to_do = [entry.item for entry in planned if not entry.kept] if how.do_items else []
     started = time.monotonic()
+    store.tidy()
+    store.close()
     outcomes: dict[str, Outcome] = {}
     if to_do:
         new = not store.out.exists()
         store.out.mkdir(parents=True, exist_ok=True)
-        store.tidy()
         try:
             outcomes = _do(to_do, job, how, store)
         finally:
