@@ -83,13 +83,15 @@ vec2 in_front_of_plane(int face, vec2 texel, float w_r, vec2 per_w, vec2 per_tex
 }
 #else
 
-// Whether an edge in the window is nearer than the pixel.
-bool edge_in_window(int face, vec2 texel, float w_r, vec2 per_w) {
+// Whether an edge in the window is nearer than the pixel. Loops that end, rather than returns: a rasteriser on the CPU
+// leaves a loop once no pixel of a block is in it.
+bool edge_in_window(bool asked, int face, vec2 texel, float w_r, vec2 per_w) {
     float size = float(map.counts.y);
     float w_behind = w_r * (1.0 + 2e-6);
     float w_near = texelFetch(nearest_edge, ivec3(0, 0, face), top_level).r;
-    ivec2 low, high;
-    for (int i = 0; i < 4; ++i) {
+    ivec2 low = ivec2(0), high = ivec2(0);
+    bool open = asked;
+    for (int i = 0; i < 4 && open; ++i) {
         // No edge is nearer than w_near: none beyond this window matters. In it the nearest is deeper again.
         vec2 reach = max(w_near - w_r, 0.0) * per_w + kRoundedTexels;
         low = ivec2(clamp(texel - reach, 0.5, size - 0.5));
@@ -105,16 +107,14 @@ bool edge_in_window(int face, vec2 texel, float w_r, vec2 per_w) {
             }
         }
         w_near = min(w_near, found);
-    }
-    if (w_near <= w_behind) {
-        return false;
+        open = w_near > w_behind;
     }
     // What is left, in finer squares, each with a window of its own.
     int span = max(high.x - low.x, high.y - low.y);
     int level = span > 4 ? findMSB(span - 1) - 1 : 0;
     ivec2 first = low >> level, last = high >> level;
     bool found = false;
-    for (int y = 0; y < 5; ++y) {
+    for (int y = 0; y < 5 && open && !found; ++y) {
         for (int x = 0; x < 5; ++x) {
             ivec2 at = min(first + ivec2(x, y), last);
             float w = texelFetch(nearest_edge, ivec3(at, face), level).r;
@@ -128,7 +128,7 @@ bool edge_in_window(int face, vec2 texel, float w_r, vec2 per_w) {
 
 #endif
 
-float classify(vec3 position_cr, vec3 normal_ws) {
+float classify(bool seen, vec3 position_cr, vec3 normal_ws) {
     vec3 p_rel = position_cr - map.origin_cr.xyz;
     int face = best_face(p_rel);
     MapPoint at = find_in_face(face, p_rel, normal_ws);
@@ -151,7 +151,7 @@ float classify(vec3 position_cr, vec3 normal_ws) {
     float step_w = (at.texel_m + abs(at.slope.x) + abs(at.slope.y)) * slope_w;
     bool maybe = !known || (in_window.x > lit_texels * step_w && in_window.y < umbra_texels * step_w);
 #else
-    bool maybe = !known || edge_in_window(face, at.texel, w_r, per_w);
+    bool maybe = !known || edge_in_window(seen && known, face, at.texel, w_r, per_w);
 #endif
 
     // The four texels around: one surface, in front of the pixel or its own.
@@ -173,6 +173,6 @@ float classify(vec3 position_cr, vec3 normal_ws) {
 
 void main() {
     Receiver receiver = read_receiver(receivers, ivec2(gl_FragCoord.xy));
-    float found = classify(receiver.position_cr, receiver.normal_ws);
+    float found = classify(receiver.seen, receiver.position_cr, receiver.normal_ws);
     found_class = receiver.seen ? found : PENUMBRA_MASK_LIT;
 }
