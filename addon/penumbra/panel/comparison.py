@@ -132,6 +132,9 @@ def draw_results(layout: Any, context: Any) -> None:
         column.operator(ops.PENUMBRA_OT_sort_results.bl_idname, text=label, icon=icon).by = by
     rows = min(max(sum(results.is_shown(kept, row) for row in kept.rows), _FEWEST_ROWS), _MOST_ROWS)
     layout.template_list("PENUMBRA_UL_results", "", kept, "rows", kept, "active_row", rows=rows, maxrows=_MOST_ROWS)
+    active = results.active(kept)
+    if active is not None and active.status != "ok":
+        _text(layout.box(), f"{active.name}: {active.reason}", context, icon="INFO")
     if not pictures.exist(kept.key):
         _text(layout, show.MISSING, context, icon="INFO")
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)

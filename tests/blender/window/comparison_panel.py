@@ -195,6 +195,13 @@ def view_results(answer: dict[str, Any]) -> None:
     answer["view_size"] = [round(region.width * 0.15), round(region.height * 0.15)]
 
 
+def show_alone(answer: dict[str, Any]) -> None:
+    """No image editor is open: the picture gets a window of its own."""
+    operate(bpy.ops.penumbra.show_result, row=0, what="SHADED")
+    areas = [[area.type for area in each.screen.areas] for each in bpy.context.window_manager.windows]
+    answer["windows"] = areas
+
+
 def leave_while_comparing(answer: dict[str, Any]) -> None:
     bpy.context.scene.penumbra.settings.ray_traced.rays = 65536
     bpy.context.scene.penumbra_comparison.scale = 100
@@ -204,9 +211,10 @@ def leave_while_comparing(answer: dict[str, Any]) -> None:
 
 SCROLLED = [step for number in range(1, 9) for step in (scroll, picture(f"scrolled_{number}"))]
 
-play(
-    install, unfold, open_scene, arrange, choose_tab, before, running, midway, picture("midway"), wait, results,
-    artist_works, after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED[:2], click, clicked,
-    *SCROLLED[2:], make_properties, properties, picture("properties"), compare_this_view, wait, view_results,
-    leave_while_comparing,
-)  # fmt: skip
+if __name__ == "__main__":
+    play(
+        install, unfold, open_scene, arrange, choose_tab, before, running, midway, picture("midway"), wait, results,
+        artist_works, after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED[:2], click, clicked,
+        *SCROLLED[2:], make_properties, properties, picture("properties"), compare_this_view, wait, view_results,
+        show_alone, leave_while_comparing,
+    )  # fmt: skip

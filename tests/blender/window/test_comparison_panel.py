@@ -39,6 +39,12 @@ def test_a_result_stands_in_the_image_editor(answer: dict[str, Any]) -> None:
     assert burning.mean() > 0.01, "false colours of the error"
 
 
+def test_without_an_image_editor_a_result_gets_a_window_of_its_own(answer: dict[str, Any]) -> None:
+    assert len(answer["windows"]) == 2
+    assert "IMAGE_EDITOR" not in answer["windows"][0]
+    assert answer["windows"][1] == ["IMAGE_EDITOR"]
+
+
 def test_a_click_on_a_row_shows_it_where_a_result_stands_already(answer: dict[str, Any]) -> None:
     assert answer["rows"][answer["active_before"]][0] == "plateaus"
     assert answer["clicked"] == answer["followed"] == "Smoothies"
