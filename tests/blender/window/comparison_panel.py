@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 from in_window import NOT_YET, play, take_picture
@@ -166,9 +167,18 @@ def properties(answer: dict[str, Any]) -> None:
 
 
 def click(answer: dict[str, Any]) -> None:
-    """On the last row of the table, where its name stands."""
-    answer["active_before"] = bpy.context.scene.penumbra_comparison.active_row
-    x, y = 230, window().height - 1 - 558
+    """On the row of smoothies, which the dot in its colour gives away on the screen."""
+    kept = bpy.context.scene.penumbra_comparison
+    answer["active_before"] = kept.active_row
+    row = next(row for row in kept.rows if row.technique == "smoothies")
+    code = module("report.palette").colour(row.colour).lstrip("#")
+    screen = bpy.data.images.load("/out/scrolled_1.png")
+    pixels = np.empty(screen.size[0] * screen.size[1] * 4, np.float32)
+    screen.pixels.foreach_get(pixels)
+    left = pixels.reshape(screen.size[1], screen.size[0], 4)[:, 195:240, :3]
+    bpy.data.images.remove(screen)
+    found = np.abs(left - np.array(list(bytes.fromhex(code))) / 255).max(axis=-1) < 0.05
+    x, y = 260, round(float(np.nonzero(found)[0].mean()))
     window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
     window().event_simulate(type="LEFTMOUSE", value="PRESS", x=x, y=y)
     window().event_simulate(type="LEFTMOUSE", value="RELEASE", x=x, y=y)
