@@ -112,7 +112,8 @@ def measure(case: Case, reference_error: float) -> list[str]:
     renderer.set_scene(case.scene)
     truth = renderer.reference(case.light, standard_error=reference_error)
     area, mask = np.asarray(truth["area"]), np.asarray(truth["mask"])
-    times = renderer.measure(case.light, [(technique, settings) for _, technique, settings in ROWS])
+    jobs = [(technique, settings) for _, technique, settings in ROWS]
+    times = renderer.measure(case.light, jobs, max_seconds=1.5, min_runs=3)
     lines = []
     for (title, technique, settings), time in zip(ROWS, times, strict=True):
         found = renderer.visibility(case.light, technique, settings)

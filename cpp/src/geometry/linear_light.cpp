@@ -243,7 +243,7 @@ LinearVisibility::Total LinearVisibility::total_at(const LinearPoint& point, con
         const double length = maps_.back().along - maps_.front().along;
         const double share =
             length > 0.0 ? (maps_[i + 1].along - maps_[i].along) / length : 1.0 / static_cast<double>(maps_.size() - 1);
-        Segment ends = segment_ends(i, point, lookup);
+        const Segment ends = segment_ends(i, point, lookup);
         if (local.empty()) {
             sum += share * (ends.first + ends.second);
             whole += share;

@@ -68,8 +68,10 @@ CandidateScore score_candidate(const LinearMap& first, const LinearMap& middle, 
             }
             point.uv = {middle.u_of(x) + middle.along * point.d, middle.low.y + (y + 0.5) * middle.step.y};
             ++score.texels;
-            score.unseen += surely_hidden(first, point, lookup.parallel) && surely_hidden(last, point, lookup.parallel);
-            score.changed += std::abs(two.at(point, lookup) - three.at(point, lookup)) > kChange;
+            const bool unseen =
+                surely_hidden(first, point, lookup.parallel) && surely_hidden(last, point, lookup.parallel);
+            score.unseen += unseen ? 1 : 0;
+            score.changed += std::abs(two.at(point, lookup) - three.at(point, lookup)) > kChange ? 1 : 0;
         }
     }
     return score;

@@ -274,9 +274,7 @@ std::vector<LinearRod> linear_rods(const Light& light, RodLayout layout, int str
         }
     }
     // An area light of no width.
-    Light flat = light;
-    const glm::dvec3 half = longest_half_axis(flat);
-    return {{light.position_ws, half, 1.0}};
+    return {{light.position_ws, longest_half_axis(light), 1.0}};
 }
 
 }  // namespace penumbra

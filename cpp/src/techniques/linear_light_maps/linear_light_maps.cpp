@@ -151,6 +151,11 @@ bool round_without_axes(LightKind kind) {
     return kind == LightKind::Point || kind == LightKind::Spot || kind == LightKind::Sun;
 }
 
+/// Receivers that are no casters, or the other way round: skins then need maps of their own.
+bool needs_surface_map(const LightSummary& summary) noexcept {
+    return summary.has_extent && (summary.receivers_not_casting > 0 || summary.keep_everything);
+}
+
 }  // namespace
 
 const TechniqueInfo& LinearLightMaps::description() {
@@ -214,10 +219,6 @@ std::vector<LinearLightMaps::Rod> LinearLightMaps::fit_rods(const LightSummary& 
         rods.push_back(std::move(rod));
     }
     return rods;
-}
-
-bool LinearLightMaps::needs_surface_map(const LightSummary& summary) const noexcept {
-    return summary.has_extent && (summary.receivers_not_casting > 0 || summary.keep_everything);
 }
 
 std::string LinearLightMaps::no_skins(const LightSummary& summary, const std::vector<Rod>& rods) const {

@@ -50,7 +50,6 @@ private:
     [[nodiscard]] std::vector<Rod> fit_rods(const LightSummary& summary,
                                             const std::vector<std::vector<double>>& places = {}) const;
     [[nodiscard]] std::vector<LinearRod> segments_of(const LightSummary& summary, const glm::dvec3& middle_cr) const;
-    [[nodiscard]] bool needs_surface_map(const LightSummary& summary) const noexcept;
     [[nodiscard]] std::string no_skins(const LightSummary& summary, const std::vector<Rod>& rods) const;
     void allocate(Frame& frame);
     void place_samples(Frame& frame);

@@ -350,6 +350,7 @@ double LinearViews::stored_per_d(std::size_t window) const {
 
 std::vector<double> even_places(int count) {
     std::vector<double> places;
+    places.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
         places.push_back(count > 1 ? 2.0 * i / (count - 1) - 1.0 : 0.0);
     }

@@ -95,7 +95,8 @@ void SkinPass::draw_towards(Frame& frame, const LinearViews& views, std::size_t 
                             int first_layer) {
     const bool next = to > from;
     const int window_layer = first_layer + static_cast<int>(window) * views.samples();
-    RenderTarget& target = targets_[static_cast<std::size_t>(window_layer + to)];
+    const int layer = window_layer + to;
+    RenderTarget& target = targets_[static_cast<std::size_t>(layer)];
     target.bind();
     if (rules_.darkest) {
         glDisable(GL_DEPTH_TEST);
@@ -118,11 +119,11 @@ void SkinPass::draw_towards(Frame& frame, const LinearViews& views, std::size_t 
         {{"EXACT", rules_.exact ? "1" : "0"}, {"WALL_RULE", rules_.wall_rule ? "1" : "0"}});
     program.set("capacity", capacity_);
     program.set("from_layer", window_layer + from);
-    program.set("to_layer", window_layer + to);
+    program.set("to_layer", layer);
     program.set("caster_left", next);
     program.set("shift", glm::vec2{shift.x / per_d, shift.y});
     program.set("texels_per_depth", static_cast<float>(std::abs(shift.x) / per_d));
-    const float texel_depth = static_cast<float>(views.windows[window].step.x * per_d);
+    const auto texel_depth = static_cast<float>(views.windows[window].step.x * per_d);
     program.set("slack", views.orthographic ? glm::vec2{0.0F, texel_depth}
                                             : glm::vec2{static_cast<float>(rules_.same_relative), 0.0F});
     program.use();
