@@ -81,9 +81,11 @@ LayerBound::LayerBound(const glm::dvec4& light_ws, std::span<const Bounds> caste
         }
     }
     counts_.assign(faces_.size() * static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), 0);
+    last_.assign(counts_.size(), 0);
 }
 
-void LayerBound::add(const glm::dvec3& a_ws, const glm::dvec3& b_ws, const glm::dvec3& c_ws) {
+void LayerBound::add(const glm::dvec3& a_ws, const glm::dvec3& b_ws, const glm::dvec3& c_ws, std::uint32_t convex) {
+    convex_ = convex;
     for (const Face& face : faces_) {
         const std::array<glm::dvec3, 3> triangle{(a_ws - origin_ws_) * face.axes, (b_ws - origin_ws_) * face.axes,
                                                  (c_ws - origin_ws_) * face.axes};
@@ -154,11 +156,16 @@ void LayerBound::fill(const Face& face, std::span<const glm::dvec2> polygon) {
         if (left > right) {
             continue;
         }
-        std::uint32_t* counts =
-            counts_.data() + face.first + static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_);
-        const int last = cell(right + kSlack);
-        for (int column = cell(left - kSlack); column <= last; ++column) {
-            most_ = std::max(most_, ++counts[column]);
+        const std::size_t first_cell = face.first + static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_);
+        std::uint32_t* counts = counts_.data() + first_cell;
+        std::uint32_t* last = last_.data() + first_cell;
+        const int last_column = cell(right + kSlack);
+        for (int column = cell(left - kSlack); column <= last_column; ++column) {
+            std::uint32_t& last_convex = last[column];
+            if (convex_ == 0 || last_convex != convex_) {
+                last_convex = convex_;
+                most_ = std::max(most_, ++counts[column]);
+            }
         }
     }
 }

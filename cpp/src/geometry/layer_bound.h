@@ -18,7 +18,8 @@ public:
     /// @param casters_ws  boxes of what will be added
     LayerBound(const glm::dvec4& light_ws, std::span<const Bounds> casters_ws);
 
-    void add(const glm::dvec3& a_ws, const glm::dvec3& b_ws, const glm::dvec3& c_ws);
+    /// @param convex  not 0: of all triangles added in a row with this number, no ray crosses more than one
+    void add(const glm::dvec3& a_ws, const glm::dvec3& b_ws, const glm::dvec3& c_ws, std::uint32_t convex = 0);
     [[nodiscard]] std::uint32_t most() const noexcept { return most_; }
 
     static constexpr int kCells = 512;  ///< of a window's side; a cube's faces have half
@@ -37,7 +38,8 @@ private:
     bool cube_ = false;
     int cells_ = kCells;
     std::vector<Face> faces_;
-    std::vector<std::uint32_t> counts_;
+    std::vector<std::uint32_t> counts_, last_;  ///< per cell; last_: the convex number that it was counted for
+    std::uint32_t convex_ = 0;
     std::uint32_t most_ = 0;
 };
 

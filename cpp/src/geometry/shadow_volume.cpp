@@ -38,6 +38,18 @@ double side_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, co
     return glm::dot(glm::cross(b - a, c - a), d - a);
 }
 
+/// Of a triangle seen from p, positive from behind [VanOosteromStrackee1983].
+double solid_angle(const glm::dvec3& at_a, const glm::dvec3& at_b, const glm::dvec3& at_c, const glm::dvec3& p) {
+    const glm::dvec3 a = at_a - p;
+    const glm::dvec3 b = at_b - p;
+    const glm::dvec3 c = at_c - p;
+    const double la = glm::length(a);
+    const double lb = glm::length(b);
+    const double lc = glm::length(c);
+    return 2.0 * std::atan2(glm::dot(a, glm::cross(b, c)),
+                            la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+}
+
 class Pieces {
 public:
     explicit Pieces(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
@@ -53,6 +65,56 @@ public:
 private:
     std::vector<std::uint32_t> parent_;
 };
+
+/// Sine of a dent that the rounding of float32 corners leaves in a plane quad.
+constexpr double kFlat = 4e-6;
+
+/// Convex at every edge, and wound once around its middle.
+void find_convex_shells(const Mesh& mesh, const Adjacency& adjacency, int outwards, Pieces& pieces, Closure& closure) {
+    const std::size_t count = mesh.triangles.size();
+    std::vector<std::uint8_t> convex(count, 1);
+    const auto opposite = [&](std::uint32_t t, const Adjacency::Edge& edge) {
+        const glm::uvec3& v = mesh.triangles[t];
+        for (const std::uint32_t i : {v.x, v.y, v.z}) {
+            if (adjacency.welded[i] != edge.v0 && adjacency.welded[i] != edge.v1) {
+                return corner(mesh, i);
+            }
+        }
+        return corner(mesh, v.x);
+    };
+    for (const Adjacency::Edge& edge : adjacency.edges) {
+        const bool two = edge.side1 != Adjacency::kNone && (edge.side1 & Adjacency::kMany) == 0;
+        const std::uint32_t t = two ? edge.side0 / 2 : adjacency.more_sides[edge.side0] / 2;
+        if (two) {
+            const glm::uvec3& v = mesh.triangles[t];
+            const glm::dvec3 a = corner(mesh, v.x);
+            const glm::dvec3 n = glm::cross(corner(mesh, v.y) - a, corner(mesh, v.z) - a);
+            const glm::dvec3 other = opposite(edge.side1 / 2, edge) - a;
+            if (outwards * glm::dot(n, other) <= kFlat * glm::length(n) * glm::length(other)) {
+                continue;
+            }
+        }
+        convex[pieces.find(t)] = 0;
+    }
+    std::vector<glm::dvec4> middle(count, glm::dvec4{0.0});
+    std::vector<double> angle(count, 0.0);
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const glm::uvec3& v = mesh.triangles[t];
+        middle[pieces.find(t)] += glm::dvec4{corner(mesh, v.x) + corner(mesh, v.y) + corner(mesh, v.z), 3.0};
+    }
+    closure.convex_shell.assign(count, 0);
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const std::uint32_t shell = pieces.find(t);
+        const glm::uvec3& v = mesh.triangles[t];
+        angle[shell] += solid_angle(corner(mesh, v.x), corner(mesh, v.y), corner(mesh, v.z),
+                                    glm::dvec3{middle[shell]} / middle[shell].w);
+    }
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const std::uint32_t shell = pieces.find(t);
+        const bool once = std::abs(outwards * angle[shell] / (4.0 * std::numbers::pi) - 1.0) < 0.1;
+        closure.convex_shell[t] = convex[shell] != 0 && once ? shell + 1 : 0;
+    }
+}
 
 }  // namespace
 
@@ -92,22 +154,16 @@ Closure closure_of(const Mesh& mesh, const Adjacency& adjacency) {
         any_in = any_in || (used[i] != 0 && !(volume[i] > 0.0));
     }
     closure.outwards = closure.closed ? static_cast<int>(any_out) - static_cast<int>(any_in) : 0;
+    if (closure.outwards != 0) {
+        find_convex_shells(mesh, adjacency, closure.outwards, pieces, closure);
+    }
     return closure;
 }
 
 double winding_number(const Mesh& mesh, const glm::dvec3& p) noexcept {
     double sum = 0.0;
     for (const glm::uvec3& v : mesh.triangles) {
-        const glm::dvec3 a = corner(mesh, v.x) - p;
-        const glm::dvec3 b = corner(mesh, v.y) - p;
-        const glm::dvec3 c = corner(mesh, v.z) - p;
-        const double la = glm::length(a);
-        const double lb = glm::length(b);
-        const double lc = glm::length(c);
-        // The solid angle of a triangle [VanOosteromStrackee1983].
-        const double numerator = glm::dot(a, glm::cross(b, c));
-        const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-        sum += 2.0 * std::atan2(numerator, denominator);
+        sum += solid_angle(corner(mesh, v.x), corner(mesh, v.y), corner(mesh, v.z), p);
     }
     return sum / (4.0 * std::numbers::pi);
 }

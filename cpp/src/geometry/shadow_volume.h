@@ -23,6 +23,9 @@ struct Closure {
     bool closed = false;       ///< every edge is run as often one way as the other, so "inside" has a meaning
     int outwards = 0;          ///< closed: 1 if the normals of every shell look out, -1 in, 0 some here and some there
     std::uint32_t shells = 0;  ///< connected pieces
+    /// Per triangle, closed meshes: the number of its shell, from 1, if that is convex, so that no ray enters it twice;
+    /// else 0.
+    std::vector<std::uint32_t> convex_shell;
 };
 [[nodiscard]] Closure closure_of(const Mesh& mesh, const Adjacency& adjacency);
 

@@ -435,6 +435,7 @@ void VolumePass::bound_layers(const Frame& frame, const glm::dvec4& light_ws) {
     const GpuScene& gpu_scene = frame.gpu_scene();
     LayerBound bound{light_ws, frame.summary().caster_bounds_ws};
     std::vector<glm::dvec3> placed;
+    std::uint32_t first_shell = 0;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
         const Mesh& mesh = *meshes_[slots_[i].mesh];
         const glm::dmat4& m = gpu_scene.world_from_recentred(slots_[i].instance);
@@ -445,10 +446,14 @@ void VolumePass::bound_layers(const Frame& frame, const glm::dvec4& light_ws) {
         }
         VolumeMaker& maker = *makers_.at(slots_[i].mesh);
         maker.face(local_light(m, centre, light_ws));
+        // With all triangles a ray enters and leaves a convex shell: two of them.
+        const std::vector<std::uint32_t>& shell = maker.closure().convex_shell;
+        const bool single = !shell.empty() && faces_[i] != VolumeFaces::All;
         maker.for_triangles(faces_[i], [&](std::uint32_t t) {
             const glm::uvec3& v = mesh.triangles[t];
-            bound.add(placed[v.x], placed[v.y], placed[v.z]);
+            bound.add(placed[v.x], placed[v.y], placed[v.z], single && shell[t] != 0 ? first_shell + shell[t] : 0);
         });
+        first_shell += static_cast<std::uint32_t>(mesh.triangles.size());
     }
     most_layers_ = std::min<std::uint64_t>(most_layers_, bound.most());
 }

@@ -185,6 +185,36 @@ TEST(LayerBound, IsNoLessThanAnyRayCrosses) {
     }
 }
 
+TEST(ShadowVolume, ConvexShellsAreKnown) {
+    const auto shells = [](const Mesh& mesh) { return closure_of(mesh, make_adjacency(mesh)).convex_shell; };
+    for (const auto& mesh :
+         {scenes::box(glm::vec3{-1}, glm::vec3{1}), turned(scenes::box(glm::vec3{-1}, glm::vec3{1}))}) {
+        for (const std::uint32_t shell : shells(*mesh)) {
+            EXPECT_EQ(shell, shells(*mesh).front());
+            EXPECT_NE(shell, 0U);
+        }
+    }
+    auto dented = std::make_shared<Mesh>(*scenes::box(glm::vec3{-1}, glm::vec3{1}));
+    dented->positions_local[7] = {-0.5F, -0.5F, -0.5F};
+    for (const std::uint32_t shell : shells(*dented)) {
+        EXPECT_EQ(shell, 0U);
+    }
+    EXPECT_TRUE(shells(*scenes::sheet(-1, 1, -1, 1)).empty());
+}
+
+TEST(LayerBound, AConvexShellIsOneLayer) {
+    const auto box = scenes::box(glm::vec3{-1}, glm::vec3{1});
+    const std::vector<Bounds> boxes{bounds_of(*box)};
+    LayerBound bound{{3, 4, 5, 1}, boxes};
+    for (std::uint32_t shell = 1; shell <= 3; ++shell) {
+        for (const glm::uvec3& t : box->triangles) {
+            bound.add(glm::dvec3{box->positions_local[t.x]}, glm::dvec3{box->positions_local[t.y]},
+                      glm::dvec3{box->positions_local[t.z]}, shell);
+        }
+    }
+    EXPECT_EQ(bound.most(), 3U);
+}
+
 TEST(LayerBound, CountsSheetsOverEachOther) {
     const std::vector<Bounds> boxes{Bounds{{-1, -1, 0}, {1, 1, 1}}};
     for (const glm::dvec4& light : {glm::dvec4{0.3, 0.2, 5, 1}, glm::dvec4{0, 0, 1, 0}, glm::dvec4{0, 0, 0.5, 1}}) {
