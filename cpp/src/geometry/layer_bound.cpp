@@ -99,9 +99,17 @@ void LayerBound::add_to(const Face& face, std::span<const glm::dvec3> triangle_l
     std::array<glm::dvec2, 8> projected;
     std::size_t count = 0;
     if (!cube_) {
+        bool outside = false;
         for (const glm::dvec3& p : triangle_ls) {
-            projected[count++] = parallel_ ? glm::dvec2{p} : glm::dvec2{p} / p.z;
+            if (!parallel_ && !(p.z > 1e-6 * (std::abs(p.x) + std::abs(p.y)))) {
+                ++everywhere_;
+                return;
+            }
+            projected[count] = parallel_ ? glm::dvec2{p} : glm::dvec2{p} / p.z;
+            const glm::dvec2 at = (projected[count++] - face.low) * face.cells_per_unit;
+            outside = outside || at.x < 0.0 || at.y < 0.0 || at.x > cells_ || at.y > cells_;
         }
+        outside_ += outside ? 1 : 0;
     } else {
         // A hair wider than the face: a ray along its border is a ray of both.
         std::vector<glm::dvec3> polygon(triangle_ls.begin(), triangle_ls.end());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -15,12 +16,13 @@ namespace penumbra {
 class LayerBound {
 public:
     /// @param light_ws    the light point, w = 1; a sun: direction towards it, w = 0
-    /// @param casters_ws  boxes of what will be added
+    /// @param casters_ws  boxes of what will be added, or of those with many triangles: what lies outside of them is
+    ///                    counted as if it all lay in one another
     LayerBound(const glm::dvec4& light_ws, std::span<const Bounds> casters_ws);
 
     /// @param convex  not 0: of all triangles added in a row with this number, no ray crosses more than one
     void add(const glm::dvec3& a_ws, const glm::dvec3& b_ws, const glm::dvec3& c_ws, std::uint32_t convex = 0);
-    [[nodiscard]] std::uint32_t most() const noexcept { return most_; }
+    [[nodiscard]] std::uint32_t most() const noexcept { return std::max(most_, outside_) + everywhere_; }
 
     static constexpr int kCells = 512;  ///< of a window's side; a cube's faces have half
 
@@ -41,6 +43,8 @@ private:
     std::vector<std::uint32_t> counts_, last_;  ///< per cell; last_: the convex number that it was counted for
     std::uint32_t convex_ = 0;
     std::uint32_t most_ = 0;
+    std::uint32_t outside_ = 0;     ///< reach beyond the window
+    std::uint32_t everywhere_ = 0;  ///< reach behind the light, where no window is
 };
 
 }  // namespace penumbra

@@ -433,7 +433,15 @@ std::uint64_t VolumePass::triangle_count() {
 
 void VolumePass::bound_layers(const Frame& frame, const glm::dvec4& light_ws) {
     const GpuScene& gpu_scene = frame.gpu_scene();
-    LayerBound bound{light_ws, frame.summary().caster_bounds_ws};
+    // A large ground of two triangles must not take the resolution from what may nest.
+    constexpr std::size_t kMany = 64;
+    std::vector<Bounds> boxes;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+        if (meshes_[slots_[i].mesh]->triangles.size() >= kMany) {
+            boxes.push_back(frame.summary().caster_bounds_ws[i]);
+        }
+    }
+    LayerBound bound{light_ws, boxes.empty() ? frame.summary().caster_bounds_ws : boxes};
     std::vector<glm::dvec3> placed;
     std::uint32_t first_shell = 0;
     for (std::size_t i = 0; i < slots_.size(); ++i) {

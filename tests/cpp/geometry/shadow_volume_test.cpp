@@ -166,7 +166,8 @@ TEST(LayerBound, IsNoLessThanAnyRayCrosses) {
     std::uniform_real_distribution<double> at{-2.0, 2.0};
     for (int run = 0; run < 8; ++run) {
         const auto mesh = soup(random, 80);
-        const std::vector<Bounds> boxes{bounds_of(*mesh)};
+        // A window around a part of it is as safe.
+        const std::vector<Bounds> boxes{run < 4 ? bounds_of(*mesh) : Bounds{{-0.3, -0.3, -0.3}, {0.3, 0.2, 0.3}}};
         const glm::dvec4 light = run % 2 == 0
                                      ? glm::dvec4{at(random), at(random), at(random), 1.0}
                                      : glm::dvec4{glm::normalize(glm::dvec3{at(random), at(random), 1.0}), 0.0};
