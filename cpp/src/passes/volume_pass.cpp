@@ -774,9 +774,7 @@ std::vector<std::int32_t> VolumePass::read_counts() const {
     const auto width = static_cast<std::size_t>(counted_->width());
     std::vector<std::uint8_t> stencil(width * static_cast<std::size_t>(counted_->height()));
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.name());
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, counted_->width(), counted_->height(), GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil.data());
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
     return {stencil.begin(), stencil.end()};
 }
 
