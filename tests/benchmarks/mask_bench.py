@@ -42,7 +42,7 @@ def time_to(target: float, errors: list[float], times: list[float]) -> float:
     return math.inf
 
 
-def mask_of(renderer: Any, light: int) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def mask_of(renderer: Any, light: int) -> tuple[Any, Any, Any] | None:
     """Surely lit, surely in umbra, maybe."""
     plan = renderer.visibility(light, "masked_rays")["plan"]
     if not any(step["step"] == "penumbra mask" and step["state"] == "run" for step in plan):
