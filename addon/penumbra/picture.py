@@ -13,7 +13,7 @@ import numpy as np
 
 from .passes import COMBINED, Pass
 from .progress import Progress
-from .records import Image, Settings, Statistic
+from .records import Image, Settings
 
 if TYPE_CHECKING:
     from .bridge import SceneExport
@@ -48,7 +48,6 @@ class Picture:
 
     planes: dict[str, Image] = field(default_factory=dict)  # by pass name; (h, w, channels)
     notes: list[str] = field(default_factory=list)
-    statistics: dict[str, list[Statistic]] = field(default_factory=dict)  # of the picture's own technique, by light
     samples: int = 0  # pixel samples that are in it; fewer than wanted if it was stopped
 
 
@@ -143,10 +142,13 @@ class Painter:
                 self._picture.notes.append(f'"{light}" casts no shadow with {technique}: {reason}')
             return one
         answer = self._renderer.visibility(
-            index, technique, settings, keep_everything=self._wanted.keep_everything, progress=self._progress
+            index,
+            technique,
+            settings,
+            keep_everything=self._wanted.keep_everything,
+            statistics=False,
+            progress=self._progress,
         )
-        if number == 0 and technique == self._wanted.technique and answer["statistics"]:
-            self._picture.statistics[light] = [Statistic(**statistic) for statistic in answer["statistics"]]
         return np.asarray(answer["visibility"])
 
     def _truth(self, index: int, number: int) -> Image:

@@ -100,8 +100,8 @@ py::dict summary(PyRenderer& self, std::size_t light, bool keep_everything) {
 }
 
 py::dict visibility(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
-                    bool keep_everything, const py::object& progress) {
-    const Job job{technique, settings_from(settings)};
+                    bool keep_everything, bool statistics, const py::object& progress) {
+    const Job job{technique, settings_from(settings), statistics};
     VisibilityResult r = wait_for([&](Control& c) { return self.renderer.visibility(light, job, keep_everything, c); },
                                   progress, technique);
     const py::dict times("setup"_a = r.setup_ms, "update"_a = r.update_ms, "resolve"_a = r.resolve_ms);
@@ -228,8 +228,9 @@ void bind_renderer(py::module_& m) {
             "light"_a, "technique"_a, py::call_guard<py::gil_scoped_release>(),
             "Empty, or why the technique cannot serve the light.")
         .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
-             "keep_everything"_a = false, "progress"_a = py::none(),
-             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.")
+             "keep_everything"_a = false, "statistics"_a = true, "progress"_a = py::none(),
+             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.\n"
+             "statistics: count what the frame did, which may cost as much as the frame.")
         .def("debug_images", &debug_images, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "views"_a = std::vector<std::string>{}, "progress"_a = py::none(),
              "Pictures of the technique's inside: {id, title, caption, rgb (h, w, 3) float32, display values 0 .. 1}.\n"

@@ -346,10 +346,12 @@ class Renderer:
         technique: str,
         settings: dict = {},
         keep_everything: bool = False,
+        statistics: bool = True,
         progress: typing.Any = None,
     ) -> dict:
         """
         {visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.
+        statistics: count what the frame did, which may cost as much as the frame.
         """
     @property
     def environment(self) -> dict: ...

@@ -52,6 +52,7 @@ struct VisibilityResult {
 struct Job {
     std::string technique;
     Settings settings;
+    bool statistics = true;  ///< visibility() counts what the frame did, which may cost as much as the frame
 };
 
 /// Times of one job: set-up once, a dynamic frame (casters or light moved), a static frame (maps kept), and the view
@@ -94,12 +95,12 @@ public:
 
     [[nodiscard]] VisibilityResult visibility(std::size_t light, const Job& job, bool keep_everything,
                                               Control& control);
-    /// Pictures of a technique's inside after one frame. @param views ids; empty: all that its plan offers
-    /// @throws InvalidSettings for an unknown view; the message lists those there are
     /// The same for several lights at once: their techniques live side by side, and maps of one size are layers of
     /// common arrays. In the order of `lights`.
     [[nodiscard]] std::vector<VisibilityResult> visibility(std::span<const std::size_t> lights, const Job& job,
                                                            bool keep_everything, Control& control);
+    /// Pictures of a technique's inside after one frame. @param views ids; empty: all that its plan offers
+    /// @throws InvalidSettings for an unknown view; the message lists those there are
     [[nodiscard]] std::vector<NamedDebugImage> debug_images(std::size_t light, const Job& job,
                                                             std::span<const std::string> views, Control& control);
     /// The technique's textures of V on surfaces of the scene, with nothing left out; empty if it makes none.

@@ -196,7 +196,7 @@ public:
     }
 
     /// The first frame.
-    [[nodiscard]] VisibilityResult visibility(Run& run, const LightSummary& summarised) {
+    [[nodiscard]] VisibilityResult visibility(Run& run, const LightSummary& summarised, bool statistics) {
         VisibilityResult made;
         const auto started = Clock::now();
         run.technique->update(*run.frame);
@@ -214,7 +214,9 @@ public:
         made.settings = run.settings;
         made.plan = run.plan;
         made.memory_bytes = run.technique->memory_bytes();
-        made.statistics = run.technique->statistics(*run.frame);
+        if (statistics) {
+            made.statistics = run.technique->statistics(*run.frame);
+        }
         return made;
     }
 
@@ -314,7 +316,8 @@ std::vector<VisibilityResult> Renderer::visibility(std::span<const std::size_t> 
         std::vector<VisibilityResult> results;
         for (std::size_t i = 0; i < runs.size(); ++i) {
             control.check();
-            results.push_back(impl_->visibility(*runs[i], impl_->summary(device, lights[i], keep_everything)));
+            results.push_back(
+                impl_->visibility(*runs[i], impl_->summary(device, lights[i], keep_everything), job.statistics));
             check_gl("statistics of " + job.technique);
         }
         return results;

@@ -122,6 +122,9 @@ TEST_F(RendererContract, StatisticsAreOfTheFrameJustMade) {
     EXPECT_EQ(result.statistics[0].id, "rays");
     EXPECT_EQ(result.statistics[0].value, 3.0 * static_cast<double>(asked));
 
+    const Job uncounted{.technique = "ray_traced", .settings = {{"rays", 3}}, .statistics = false};
+    EXPECT_TRUE(renderer().visibility(0, uncounted, false, control_).statistics.empty()) << "nobody asked";
+
     Scene lonely = edge();
     lonely.instances.resize(1);
     lonely.instances[0].casts = false;
