@@ -24,9 +24,9 @@ public:
     [[nodiscard]] const TextureImage& albedo() const noexcept { return albedo_; }           ///< RGBA32F, linear
     [[nodiscard]] const TextureImage& ids() const noexcept { return ids_; }                 ///< RG32UI
     [[nodiscard]] const TextureImage& receiver() const noexcept { return receiver_; }       ///< see lib/receiver.glsl
-    /// DEPTH32F_STENCIL8: reversed depth (1 near, 0 far or nothing), drawn by view_ids.vert with depth clamp on, so that
-    /// a pass which places vertices by the same expression and clamps as well gets the same bits. The stencil is whose
-    /// turn it is: clear it first, leave the depth as it is.
+    /// DEPTH32F_STENCIL8: reversed depth (1 near, 0 far or nothing), drawn by view_ids.vert with depth clamp on, so
+    /// that a pass which places vertices by the same expression and clamps as well gets the same bits. The stencil is
+    /// whose turn it is: clear it first, leave the depth as it is.
     [[nodiscard]] const TextureImage& depth_stencil() const noexcept { return depth_; }
     [[nodiscard]] const glm::dvec3& eye_ws() const noexcept { return eye_ws_; }
 
