@@ -80,17 +80,14 @@ public:
 
     /// Decides which triangles face the light; append() does it as well.
     void face(const glm::dvec4& light_local);
-    /// As last faced: calls f(triangle) for each triangle of the volume. @return how many there are
+    /// As last faced: calls f(triangle) for each triangle of the volume.
     template <class F>
-    std::uint64_t for_triangles(VolumeFaces faces, const F& f) const {
-        std::uint64_t count = 0;
+    void for_triangles(VolumeFaces faces, const F& f) const {
         for (std::uint32_t t = 0; t < towards_.size(); ++t) {
             if (faces == VolumeFaces::All || (towards_[t] != 0) == (faces == VolumeFaces::Towards)) {
                 f(t);
-                ++count;
             }
         }
-        return count;
     }
     [[nodiscard]] const Closure& closure() const noexcept { return closure_; }
     [[nodiscard]] const Bounds& bounds_local() const noexcept { return bounds_; }

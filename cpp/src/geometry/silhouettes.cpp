@@ -135,7 +135,7 @@ int facing_in(const Mesh& mesh, std::size_t t, const glm::dvec4& light) {
 }
 
 void prefetch([[maybe_unused]] const void* address) noexcept {
-#if defined(__GNUC__)
+#ifdef __GNUC__
     __builtin_prefetch(address);
 #endif
 }

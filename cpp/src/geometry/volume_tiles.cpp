@@ -41,13 +41,17 @@ Polygon<P> clipped(const Polygon<P>& polygon, const F& side) {
     return kept;
 }
 
+std::size_t cell_of(const TileGrid& grid, int row, int column) noexcept {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(column);
+}
+
 }  // namespace
 
 std::vector<TileRectangle> rectangles_of(const TileGrid& grid, std::vector<std::int32_t>& rectangle_of) {
     std::vector<TileRectangle> found;
     rectangle_of.assign(grid.wanted.size(), -1);
     const auto free_tile = [&](int column, int row) {
-        const auto i = static_cast<std::size_t>(row * grid.columns + column);
+        const auto i = cell_of(grid, row, column);
         return grid.wanted[i] != 0 && rectangle_of[i] < 0;
     };
     for (int row = 0; row < grid.rows; ++row) {
@@ -72,8 +76,7 @@ std::vector<TileRectangle> rectangles_of(const TileGrid& grid, std::vector<std::
             }
             for (int r = 0; r < rectangle.rows; ++r) {
                 for (int c = 0; c < rectangle.columns; ++c) {
-                    rectangle_of[static_cast<std::size_t>((row + r) * grid.columns + column + c)] =
-                        static_cast<std::int32_t>(found.size());
+                    rectangle_of[cell_of(grid, row + r, column + c)] = static_cast<std::int32_t>(found.size());
                 }
             }
             found.push_back(rectangle);
@@ -87,12 +90,11 @@ TileWalker::TileWalker(const TileGrid& grid)
       wanted_before_(static_cast<std::size_t>(grid.columns + 1) * static_cast<std::size_t>(grid.rows), 0),
       low_(static_cast<std::size_t>(grid.columns)),
       high_(static_cast<std::size_t>(grid.columns)),
-      first_row_{grid.rows},
-      last_row_{-1} {
+      first_row_{grid.rows} {
     for (int row = 0; row < grid.rows; ++row) {
         std::uint32_t* before = wanted_before_.data() + static_cast<std::ptrdiff_t>(row) * (grid.columns + 1);
         for (int column = 0; column < grid.columns; ++column) {
-            before[column + 1] = before[column] + grid.wanted[static_cast<std::size_t>(row * grid.columns + column)];
+            before[column + 1] = before[column] + grid.wanted[cell_of(grid, row, column)];
         }
         if (before[grid.columns] > 0) {
             first_row_ = std::min(first_row_, row);
@@ -187,8 +189,8 @@ void TileWalker::walk_row(const glm::vec3* points, int count, int row, bool z_pa
         parts[static_cast<std::size_t>(part_count++)] = {from, to};
         left = std::min(left, from.x);
         right = std::max(right, to.x);
-        nearest = std::max(nearest, std::max(from.y, to.y));
-        farthest = std::min(farthest, std::min(from.y, to.y));
+        nearest = std::max({nearest, from.y, to.y});
+        farthest = std::min({farthest, from.y, to.y});
     }
     if (part_count == 0) {
         return;
@@ -234,15 +236,13 @@ void TileWalker::walk_row(const glm::vec3* points, int count, int row, bool z_pa
                 const bool whole = from == to || change == 0.0F;
                 const float z0 = whole ? part.from.y : part.from.y + change * (x0 - part.from.x);
                 const float z1 = whole ? part.to.y : part.from.y + change * (x1 - part.from.x);
-                low_[static_cast<std::size_t>(column)] =
-                    std::min(low_[static_cast<std::size_t>(column)], std::min(z0, z1));
-                high_[static_cast<std::size_t>(column)] =
-                    std::max(high_[static_cast<std::size_t>(column)], std::max(z0, z1));
+                low_[static_cast<std::size_t>(column)] = std::min({low_[static_cast<std::size_t>(column)], z0, z1});
+                high_[static_cast<std::size_t>(column)] = std::max({high_[static_cast<std::size_t>(column)], z0, z1});
             }
         }
     }
     for (int column = first; column <= last; ++column) {
-        const auto i = static_cast<std::size_t>(row * grid_->columns + column);
+        const auto i = cell_of(*grid_, row, column);
         if (grid_->wanted[i] == 0) {
             continue;
         }

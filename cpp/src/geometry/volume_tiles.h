@@ -58,7 +58,7 @@ private:
     std::vector<std::uint32_t> wanted_before_;  ///< per row: wanted tiles before each column, and before the end
     std::vector<float> low_, high_;             ///< depths in the columns of the row at hand
     float slack_ = 0.0F;                        ///< of the depths of the polygon at hand
-    int first_row_, last_row_;                  ///< that hold wanted tiles
+    int first_row_, last_row_ = -1;             ///< that hold wanted tiles
 };
 
 }  // namespace penumbra

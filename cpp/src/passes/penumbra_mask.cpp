@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <utility>
 
 #include "base/parallel.h"
@@ -190,10 +191,10 @@ glm::ivec4 box_of(std::span<const std::uint8_t> mask, int width) {
         const auto pixels = mask.subspan(row * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
         const auto first = std::ranges::find_if(pixels, [](std::uint8_t asked) { return asked != 0; });
         if (first != pixels.end()) {
-            const auto last =
-                std::find_if(pixels.rbegin(), pixels.rend(), [](std::uint8_t asked) { return asked != 0; });
+            const auto backwards = std::views::reverse(pixels);
+            const auto last = std::ranges::find_if(backwards, [](std::uint8_t asked) { return asked != 0; });
             box.x = std::min(box.x, static_cast<int>(first - pixels.begin()));
-            box.z = std::max(box.z, static_cast<int>(pixels.rend() - last));
+            box.z = std::max(box.z, static_cast<int>(backwards.end() - last));
             box.y = std::min(box.y, static_cast<int>(row));
             box.w = static_cast<int>(row) + 1;
         }
@@ -249,7 +250,7 @@ PenumbraMask::Options PenumbraMask::options_from(const Settings& settings) {
             .test = get_choice(settings, "mask_test") == "depth" ? Test::Depth : Test::Edges};
 }
 
-bool PenumbraMask::plan(const LightSummary& summary, Plan& plan) const {
+bool PenumbraMask::plan(const LightSummary& summary, Plan& plan) {
     const LightSummary::Trivial trivial = summary.trivial();
     if (!trivial.reason.empty()) {
         plan.leave_out(std::string{kStep}, trivial.rule, trivial.reason);

@@ -43,7 +43,7 @@ public:
 
     /// Step `penumbra mask`, run or left out.
     /// @return false if nothing is to be classified: the reason is in the plan
-    bool plan(const LightSummary& summary, Plan& plan) const;
+    static bool plan(const LightSummary& summary, Plan& plan);
 
     void prepare(Frame& frame);
     /// Light space: maps.

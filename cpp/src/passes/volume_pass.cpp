@@ -207,7 +207,7 @@ void VolumePass::prepare(Frame& frame) {
     on_cpu_ = options_.source == SilhouettePass::Source::Cpu ||
               (options_.source == SilhouettePass::Source::Auto && frame.device().context.info().software);
     send_vertices(gpu_scene);
-    GpuAdjacency& adjacency = frame.adjacency();
+    const GpuAdjacency& adjacency = frame.adjacency();
     slots_.clear();
     slot_of_instance_.clear();
     for (std::size_t i = 0; i < summary.casters.size(); ++i) {
@@ -487,7 +487,7 @@ void VolumePass::set_uniforms(Frame& frame, const Program& program) {
     program.set("light_cr", glm::vec4{glm::vec3{glm::dvec3{light_ws} - light_ws.w * eye_ws}, light_ws.w});
 }
 
-void VolumePass::issue(const Group& group) const {
+void VolumePass::issue(const Group& group) {
     glFrontFace(group.clockwise ? GL_CW : GL_CCW);
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, buffer_offset(group.first * sizeof(DrawCommand)),
                                 static_cast<GLsizei>(group.count), 0);
@@ -592,7 +592,7 @@ void VolumePass::sort_into_tiles(Frame& frame, const VolumeMask& mask) {
                     2 * gpu_scene.mesh_ranges()[gpu_scene.mesh_of_instance(command.base_instance)].first_vertex;
                 std::ranges::fill(last, 0xffffffffU);
                 for (std::uint32_t t = piece.first; t < piece.first + piece.count; ++t) {
-                    const std::uint32_t* corner = found_indices_.data() + command.first_index + 3 * t;
+                    const std::uint32_t* corner = found_indices_.data() + command.first_index + std::size_t{3} * t;
                     tiles.clear();
                     walker.walk(positions[corner[0] - base], positions[corner[1] - base], positions[corner[2] - base],
                                 z_pass[piece.command] != 0, tiles);

@@ -52,7 +52,7 @@ struct VolumeMask {
     /// Nothing need be drawn but in its wanted tiles; nullptr: everywhere. A pre-filter: combine it with another kind.
     const TileGrid* tiles = nullptr;
     /// Per caster of the summary: a query without whose samples it is not drawn, 0 for none; empty: all are drawn.
-    std::span<const GLuint> conditions{};
+    std::span<const GLuint> conditions;
 };
 
 /// Shadow volumes [Crow1977] of chosen casters, counted against the camera's depth: at every pixel how many of their
@@ -144,7 +144,7 @@ private:
     void sort_into_tiles(Frame& frame, const VolumeMask& mask);
     void draw_under_conditions(const Program& program, std::span<const GLuint> conditions) const;
     void draw_in_tiles(const Program& program) const;
-    void issue(const Group& group) const;
+    static void issue(const Group& group);
 
     Options options_;
     std::vector<Slot> slots_;
@@ -166,7 +166,7 @@ private:
     VertexArray cell_vertex_array_;
     std::uint64_t drawn_in_tiles_ = 0;
     glm::ivec4 scissor_{0};  ///< x, y, width, height of the light's mask
-    std::uint64_t most_layers_ = 0, triangle_count_ = 0;
+    std::uint64_t most_layers_ = 0;
     bool on_cpu_ = false;
     bool read_back_ = false;  ///< found_indices_ and drawn_ are what the device holds
     bool in_image_ = false;

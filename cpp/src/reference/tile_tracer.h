@@ -56,7 +56,11 @@ public:
         while (more) {
             int lanes = 0;
             CellRay ray;
-            while (lanes < kRayLanes && (more = next(ray))) {
+            while (lanes < kRayLanes) {
+                more = next(ray);
+                if (!more) {
+                    break;
+                }
                 set_lane(receivers, ray, lanes++);
             }
             for (int lane = lanes; lanes > 0 && lane < kRayLanes; ++lane) {  // idle lanes repeat a ray that is none

@@ -171,7 +171,7 @@ Plan LightSamples::plan(const LightSummary& summary) const {
         return plan;
     }
     if (masked_ && !summary.keep_everything && count_ > 1) {
-        mask_.plan(summary, plan);
+        PenumbraMask::plan(summary, plan);
     }
     plan.run("depth maps");
     if (!summary.has_extent && count_ > 1) {

@@ -83,7 +83,7 @@ Verdict MaskedRays::supports(const Light& /*light*/) const {
 Plan MaskedRays::plan(const LightSummary& summary) const {
     Plan plan;
     const LightSummary::Trivial trivial = summary.trivial();
-    mask_.plan(summary, plan);
+    PenumbraMask::plan(summary, plan);
     if (!trivial.reason.empty()) {
         plan.leave_out("rays", trivial.rule, trivial.reason);
         return plan;
@@ -151,7 +151,8 @@ Statistic MaskedRays::wrongly_sure(Frame& frame) const {
     const LightSummary& summary = frame.summary();
     std::vector<std::uint8_t> sure(classes_.size());
     for (std::size_t i = 0; i < sure.size(); ++i) {
-        sure[i] = summary.mask[i] != 0 && static_cast<PenumbraMask::Class>(classes_[i]) != PenumbraMask::Class::Maybe;
+        const bool maybe = static_cast<PenumbraMask::Class>(classes_[i]) == PenumbraMask::Class::Maybe;
+        sure[i] = summary.mask[i] != 0 && !maybe ? 1 : 0;
     }
     std::vector<float> found(sure.size(), 1.0F);
     const MaskedTraceOptions plain{.rays = check_rays_, .first_rays = check_rays_, .seed = options_.seed};
