@@ -33,11 +33,15 @@ def children(pid: int) -> list[int]:
 
 
 def wait_until(happened: Callable[[], Any], what: str) -> Any:
+    """A folder that goes while it is looked into has not happened yet."""
     end = time.monotonic() + PATIENCE_S
-    while not (found := happened()):
+    while True:
+        with contextlib.suppress(FileNotFoundError):
+            found = happened()
+            if found:
+                return found
         assert time.monotonic() < end, f"never happened: {what}"
         time.sleep(0.01)
-    return found
 
 
 def gone(pid: int) -> bool:
