@@ -1,0 +1,178 @@
+"""Renders cases with techniques and measures what must hold. One process, which may crash or hang: see run.py."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import properties
+from .border import not_refused
+from .cases import EVERY_PICTURE, Case
+from .properties import Image, Mask
+from .rows import Measured
+from .setups import Setup, under
+
+# Steps of the quality settings that are swept: (setting, values). Small enough for a picture of 96 x 72.
+SWEEPS: Mapping[str, Mapping[str, tuple[str, tuple[int, ...]]]] = {
+    "samples": {
+        "light_samples": ("samples", (4, 16, 64, 256)),
+        "ray_traced": ("rays", (4, 16, 64, 256)),
+        "masked_rays": ("rays", (128, 256, 512, 1024)),
+        "linear_light_maps": ("samples", (2, 3, 5, 9, 17)),
+    },
+    "maps": {
+        "shadow_map": ("map_size", (64, 128, 256, 512)),
+        "hybrid": ("map_size", (64, 128, 256, 512)),
+        "pcf": ("map_size", (64, 128, 256, 512)),
+        "smoothies": ("map_size", (64, 128, 256, 512)),
+        "penumbra_maps": ("map_size", (64, 128, 256, 512)),
+        "plateaus": ("map_size", (64, 128, 256, 512)),
+        "linear_light_maps": ("map_size", (64, 128, 256, 512)),
+        "light_samples": ("map_size", (64, 128, 256, 512)),
+    },
+}
+
+REFERENCE_ERROR = 0.004
+
+
+@dataclass
+class Pictures:
+    """What a technique made of a case."""
+
+    images: list[Image]
+    masks: list[Mask]
+    surfaces: list[npt.NDArray[np.int64]]  # what each pixel sees: the number of the instance
+    truth: Callable[[int], Image]
+    hard: Callable[[], Image]  # the truth of the first frame's first light without extent
+    costs: Sequence[float] = ()  # of the images, in a sweep
+    warnings: list[str] = field(default_factory=list)
+
+
+def _last(pictures: Pictures) -> tuple[Image, Image, Mask]:
+    last = len(pictures.images) - 1
+    return pictures.images[last], pictures.truth(last), pictures.masks[last]
+
+
+def _same_image(pictures: Pictures) -> float:
+    first = pictures.images[0]
+    common = [pictures.masks[0] & mask for mask in pictures.masks[1:]]
+    return max(properties.rms_difference(first, *pair) for pair in zip(pictures.images[1:], common, strict=True))
+
+
+def _same_mask(pictures: Pictures) -> float:
+    return max(properties.mask_changed(pictures.masks[0], mask) for mask in pictures.masks[1:])
+
+
+def _truths(pictures: Pictures) -> list[Image]:
+    return [pictures.truth(i) for i in range(len(pictures.images))]
+
+
+def _steady(pictures: Pictures) -> list[Mask]:
+    frames = pairwise(zip(pictures.masks, pictures.surfaces, strict=True))
+    return [((a != 0) & (b != 0) & (seen == then)).astype(np.uint8) for (a, seen), (b, then) in frames]
+
+
+def _converges(pictures: Pictures) -> float:
+    truth, mask = pictures.truth(0), pictures.masks[0]
+    return properties.rate(pictures.costs, [properties.error(image, truth, mask) for image in pictures.images])
+
+
+MEASURES: Mapping[str, Callable[[Pictures], float]] = {
+    "finite": lambda pictures: properties.not_finite(pictures.images),
+    "in 0 to 1": lambda pictures: properties.out_of_range(pictures.images),
+    "penumbra": lambda pictures: properties.penumbra_error(*_last(pictures)),
+    "umbra and light": lambda pictures: properties.wrong_elsewhere(*_last(pictures)),
+    "same image": _same_image,
+    "same mask": _same_mask,
+    "monotone": lambda pictures: properties.wrong_way(pictures.images, pictures.hard(), pictures.masks[0]),
+    "no popping": lambda pictures: properties.pops(pictures.images, _truths(pictures), _steady(pictures)),
+    "even steps": lambda pictures: properties.unevenness(pictures.images, _steady(pictures)),
+    "converges": _converges,
+}
+
+
+class Bench:
+    """A renderer, and the truth of the case at work: the techniques share it."""
+
+    def __init__(self, core: Any, device: str = "") -> None:
+        self.core = core
+        self.renderer = core.Renderer(device)
+        self._case = ""
+        self._frames: Sequence[Setup] = ()
+        self._scenes: list[Any] = []
+        self._truths: dict[int, Image] = {}
+        self._hard: Image | None = None
+
+    def measure(self, case: Case, technique: str) -> tuple[list[Measured], list[str]]:
+        """What must hold, as figures; and what the plan warns of. Empty where the case does not ask the technique."""
+        if case.build is None:
+            return [Measured("refused", float(len(not_refused(self.core, self.renderer, technique))), 0.0)], []
+        if case.sweep and technique not in SWEEPS[case.sweep]:
+            return [], []
+        self._begin(case)
+        started = time.perf_counter()
+        pictures = self._pictures(case, technique)
+        seconds = time.perf_counter() - started
+        found = [
+            Measured(check.property, MEASURES[check.property](pictures), check.bound)
+            for check in (*EVERY_PICTURE, *case.checks)
+        ]
+        return [*found, Measured("ends", seconds, case.ends_s)], pictures.warnings
+
+    def _begin(self, case: Case) -> None:
+        if case.id == self._case or case.build is None:
+            return
+        self._frames = case.build()
+        self._scenes = [frame.scene(self.core) for frame in self._frames]
+        self._truths, self._hard = {}, None
+        self._case = case.id
+
+    def _pictures(self, case: Case, technique: str) -> Pictures:
+        runs: list[tuple[int, dict[str, Any]]] = [(i, {}) for i in range(len(self._frames))]
+        costs: Sequence[float] = ()
+        if case.sweep:
+            setting, costs = SWEEPS[case.sweep][technique]
+            runs = [(0, {setting: value}) for value in costs]
+        images, masks, surfaces = [], [], []
+        warnings: dict[str, None] = {}
+        for frame, settings in runs:
+            self.renderer.set_scene(self._scenes[frame])
+            light = self._frames[frame].light
+            made = self.renderer.visibility(light, technique, settings, statistics=False)
+            images.append(np.array(made["visibility"]))
+            masks.append(np.array(self.renderer.mask(light)))
+            surfaces.append(np.array(self.renderer.view().instance, np.int64))
+            warnings |= dict.fromkeys(warning["reason"] for warning in made.get("warnings", ()))
+        return Pictures(
+            images,
+            masks,
+            surfaces,
+            lambda frame: self._truth(case, 0 if case.sweep else frame),
+            lambda: self._hard_shadow(),
+            costs,
+            list(warnings),
+        )
+
+    def _truth(self, case: Case, frame: int) -> Image:
+        if frame not in self._truths:
+            self.renderer.set_scene(self._scenes[frame])
+            exact = case.truth == "exact"
+            answer = self.renderer.reference(self._frames[frame].light, standard_error=REFERENCE_ERROR, exact=exact)
+            self._truths[frame] = np.array(answer["area"])
+        return self._truths[frame]
+
+    def _hard_shadow(self) -> Image:
+        """V of the first frame's light, shrunk to its centre."""
+        if self._hard is None:
+            frame = self._frames[0]
+            centre = frame.lamps[frame.light]
+            bare = under(frame, type(centre)("point", centre.position_ws))
+            self.renderer.set_scene(bare.scene(self.core))
+            self._hard = np.array(self.renderer.reference(0, standard_error=REFERENCE_ERROR)["area"])
+        return self._hard
