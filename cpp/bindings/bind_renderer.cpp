@@ -240,7 +240,7 @@ void bind_renderer(py::module_& m) {
             "The technique's textures of V on surfaces: {name, visibility (h, w) float32, corners_ws: world positions\n"
             "of the image's corners at the UVs (0, 0), (1, 0), (1, 1), (0, 1)}; empty if it makes none.")
         .def("measure", &measure, "light"_a, "jobs"_a, "keep_everything"_a = false, "max_seconds"_a = 4.0,
-             "min_runs"_a = 5, "max_runs"_a = 60, "progress"_a = py::none(),
+             "min_runs"_a = 5, "max_runs"_a = 200, "progress"_a = py::none(),
              "Times of (technique, settings) jobs, measured interleaved; milliseconds.")
         .def("reference", &reference, "light"_a, "standard_error"_a = 0.002, "seed"_a = 1,
              "max_rays_per_pixel"_a = 65536, "keep_everything"_a = false, "exact"_a = false, "progress"_a = py::none(),

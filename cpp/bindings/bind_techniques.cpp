@@ -25,10 +25,14 @@ py::dict describe_setting(const SettingInfo& info) {
     for (const SettingValue& value : info.sweep) {
         sweep.append(to_python(value));
     }
+    py::dict when;
+    if (!info.sweep_when.setting.empty()) {
+        when[py::str(info.sweep_when.setting)] = info.sweep_when.value;
+    }
     return py::dict("id"_a = info.id, "label"_a = info.label, "unit"_a = info.unit, "help"_a = info.help,
                     "type"_a = type_name(info.default_value), "default"_a = to_python(info.default_value),
                     "minimum"_a = info.minimum, "maximum"_a = info.maximum, "choices"_a = info.choices,
-                    "sweep"_a = sweep);
+                    "sweep"_a = sweep, "sweep_when"_a = when);
 }
 
 py::list list_techniques() {
@@ -44,7 +48,7 @@ py::list list_techniques() {
         }
         all.append(py::dict("id"_a = info.id, "title"_a = info.title, "paper"_a = info.paper,
                             "summary"_a = info.summary, "randomised"_a = info.randomised, "on_cpu"_a = info.on_cpu,
-                            "lights"_a = lights, "settings"_a = settings));
+                            "lights"_a = lights, "settings"_a = settings, "knob"_a = info.knob));
     }
     return all;
 }

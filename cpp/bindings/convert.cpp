@@ -59,7 +59,7 @@ py::list to_python(const std::vector<Statistic>& statistics) {
 
 py::dict to_python(const TimeSummary& times) {
     return py::dict("median"_a = times.median, "p10"_a = times.p10, "p90"_a = times.p90, "low"_a = times.low,
-                    "high"_a = times.high, "runs"_a = times.runs);
+                    "high"_a = times.high, "runs"_a = times.runs, "tight"_a = times.tight);
 }
 
 }  // namespace penumbra::bindings

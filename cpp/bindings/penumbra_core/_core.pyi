@@ -310,7 +310,7 @@ class Renderer:
         keep_everything: bool = False,
         max_seconds: typing.SupportsFloat | typing.SupportsIndex = 4.0,
         min_runs: typing.SupportsInt | typing.SupportsIndex = 5,
-        max_runs: typing.SupportsInt | typing.SupportsIndex = 60,
+        max_runs: typing.SupportsInt | typing.SupportsIndex = 200,
         progress: typing.Any = None,
     ) -> list:
         """

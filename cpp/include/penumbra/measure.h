@@ -52,14 +52,15 @@ struct TimeSummary {
     double median = 0.0, p10 = 0.0, p90 = 0.0;  ///< milliseconds
     double low = 0.0, high = 0.0;               ///< 95 % confidence interval of the median
     int runs = 0;
+    bool tight = false;  ///< measure_interleaved() alone: it ended because the interval was narrow enough
 };
 [[nodiscard]] TimeSummary summarise_times(std::vector<double> samples_ms);
 
 struct TimingOptions {
     int warm_up = 2;
     int min_runs = 5;
-    int max_runs = 60;
-    double max_seconds = 4.0;         ///< per job, soft
+    int max_runs = 200;
+    double max_seconds = 4.0;         ///< per job, soft: a run that has begun ends
     double relative_interval = 0.05;  ///< stop when (high - low) / median is below this
     std::uint32_t seed = 1;           ///< of the interleaving
 };

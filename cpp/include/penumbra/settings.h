@@ -21,6 +21,11 @@ struct SettingInfo {
     double maximum = 0.0;              ///< int and double only, inclusive
     std::vector<std::string> choices;  ///< string only: the allowed values; empty: any text (a name)
     std::vector<SettingValue> sweep;   ///< quality steps from cheap to costly; empty: not swept
+    /// Another setting (a choice) and the value it must have for this one to be swept: elsewhere it changes nothing.
+    struct {
+        std::string setting;  ///< empty: always
+        std::string value;
+    } sweep_when{};
 };
 
 /// Values by setting id. What is absent takes its default.

@@ -44,8 +44,8 @@ void run_once(const std::function<double()>& job, JobState& state, const TimingO
     }
     state.samples_ms.push_back(measured_ms);
     state.summary = summarise_times(state.samples_ms);
-    state.done = is_tight(state.summary, options) || state.summary.runs >= options.max_runs ||
-                 state.seconds >= options.max_seconds;
+    state.summary.tight = is_tight(state.summary, options);
+    state.done = state.summary.tight || state.summary.runs >= options.max_runs || state.seconds >= options.max_seconds;
 }
 
 double share_done(const JobState& state, const TimingOptions& options) noexcept {

@@ -64,4 +64,10 @@ namespace penumbra {
             .sweep = {}};
 }
 
+/// Swept only where the choice `setting` is `value`: elsewhere it changes nothing.
+[[nodiscard]] inline SettingInfo swept_when(SettingInfo info, std::string setting, std::string value) {
+    info.sweep_when = {.setting = std::move(setting), .value = std::move(value)};
+    return info;
+}
+
 }  // namespace penumbra

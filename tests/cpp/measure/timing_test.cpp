@@ -122,6 +122,8 @@ TEST(MeasureInterleaved, StopsASteadyJobAtTheMinimumAndGoesOnWithTheOther) {
     EXPECT_EQ(summaries[0].runs, 6);
     EXPECT_EQ(summaries[0].median, 2.0);
     EXPECT_EQ(summaries[1].runs, 20);
+    EXPECT_TRUE(summaries[0].tight);
+    EXPECT_FALSE(summaries[1].tight);
 }
 
 TEST(MeasureInterleaved, LeavesTheWarmUpOut) {
@@ -143,6 +145,7 @@ TEST(MeasureInterleaved, RunsASlowJobAtLeastOnceThoughItsTimeIsUp) {
     options.max_seconds = 1e-6;
     const auto summaries = run(jobs, options);
     EXPECT_EQ(summaries[0].runs, 1);
+    EXPECT_FALSE(summaries[0].tight);
     EXPECT_EQ(calls, 2);  // one warm-up already took more than its half
 }
 

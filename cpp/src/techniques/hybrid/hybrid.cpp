@@ -113,6 +113,7 @@ const TechniqueInfo& Hybrid::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = hybrid_settings(),
+        .knob = "map_size",
     };
     return info;
 }

@@ -78,6 +78,7 @@ const TechniqueInfo& LightSamples::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = light_samples_settings(),
+        .knob = "samples",
     };
     return info;
 }

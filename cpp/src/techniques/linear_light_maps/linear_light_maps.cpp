@@ -36,7 +36,7 @@ std::vector<SettingInfo> linear_settings() {
     settings.push_back(number_setting("lines", "Lines", "lines",
                                       "Lines that stand for a light with an area; 0: one for round lights, 1 to 4 for "
                                       "others by their proportions.",
-                                      0, 0, 64));
+                                      0, 0, 64, {1, 2, 4, 8}));
     settings.push_back(choice_setting("layout", "Layout of lines",
                                       "strips along the light's longest axis, or its sides (published for triangles); "
                                       "auto: sides for triangles.",
@@ -170,6 +170,7 @@ const TechniqueInfo& LinearLightMaps::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = linear_settings(),
+        .knob = "samples",
     };
     return info;
 }

@@ -31,7 +31,7 @@ std::vector<SettingInfo> masked_rays_settings() {
          .minimum = 1,
          .maximum = 4096,
          .choices = {},
-         .sweep = {}});
+         .sweep = {4, 16, 64}});
     settings.push_back({.id = "check_rays",
                         .label = "Check rays",
                         .unit = "rays",
@@ -65,6 +65,7 @@ const TechniqueInfo& MaskedRays::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = masked_rays_settings(),
+        .knob = "rays",
     };
     return info;
 }

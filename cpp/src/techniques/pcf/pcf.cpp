@@ -53,7 +53,8 @@ std::vector<SettingInfo> pcf_settings() {
                         .minimum = 1,
                         .maximum = 63,
                         .choices = {},
-                        .sweep = {3, 5, 7, 15, 31}});
+                        .sweep = {3, 5, 7, 15, 31},
+                        .sweep_when = {.setting = "filter", .value = "box"}});
     settings.push_back(
         {.id = "mask",
          .label = "Mask",
@@ -79,6 +80,7 @@ const TechniqueInfo& Pcf::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = pcf_settings(),
+        .knob = "kernel",
     };
     return info;
 }

@@ -28,7 +28,7 @@ std::vector<SettingInfo> penumbra_settings() {
     settings.push_back(silhouette_setting());
     settings.push_back(choice_setting("sides", "Sides",
                                       "outer: as published, V = 0 at the hard edge; both: ours, V = 1/2 there.",
-                                      {"outer", "both"}));
+                                      {"outer", "both"}, {std::string{"outer"}, std::string{"both"}}));
     settings.push_back(choice_setting(
         "mode", "Construction", "exact: analytic cones, affine inverse depths; literal: facets and subdivided sheets.",
         {"exact", "literal"}));
@@ -49,10 +49,13 @@ std::vector<SettingInfo> penumbra_settings() {
                                       {"nearest", "gathered"}));
     settings.push_back(toggle_setting("trim_cones", "Trim cones",
                                       "Draws of each cone only the wedge between its sheets; exact mode only.", true));
-    settings.push_back(number_setting("facets", "Facets", "", "Triangles of a cone; literal mode only.", 24, 3, 64));
-    settings.push_back(number_setting("sheet_parts", "Sheet parts", "",
-                                      "Most parts of a sheet whose ends differ in depth; literal mode only.", 8, 1,
-                                      32));
+    settings.push_back(swept_when(
+        number_setting("facets", "Facets", "", "Triangles of a cone; literal mode only.", 24, 3, 64, {6, 12, 24, 48}),
+        "mode", "literal"));
+    settings.push_back(swept_when(
+        number_setting("sheet_parts", "Sheet parts", "",
+                       "Most parts of a sheet whose ends differ in depth; literal mode only.", 8, 1, 32, {1, 2, 8, 32}),
+        "mode", "literal"));
     settings.push_back(
         number_setting("caster_triangles", "Caster triangles", "",
                        "Simplifies all casters together to about this many triangles, and raises the bias by how "
@@ -122,6 +125,7 @@ const TechniqueInfo& PenumbraMaps::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = penumbra_settings(),
+        .knob = "map_size",
     };
     return info;
 }

@@ -26,7 +26,7 @@ const TechniqueInfo& RayTraced::description() {
                  .minimum = 1,
                  .maximum = 65536,
                  .choices = {},
-                 .sweep = {1, 4, 16, 64, 256}},
+                 .sweep = {1, 4, 16, 64, 256, 1024}},
                 {.id = "seed",
                  .label = "Seed",
                  .unit = "",
@@ -56,6 +56,7 @@ const TechniqueInfo& RayTraced::description() {
                  .choices = {},
                  .sweep = {}},
             },
+        .knob = "rays",
     };
     return info;
 }

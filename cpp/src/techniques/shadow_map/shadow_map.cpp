@@ -24,6 +24,7 @@ const TechniqueInfo& ShadowMap::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = map_settings("slope", true),
+        .knob = "map_size",
     };
     return info;
 }

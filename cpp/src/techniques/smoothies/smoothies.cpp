@@ -67,7 +67,7 @@ std::vector<SettingInfo> smoothie_settings() {
         choice_setting("sides", "Sides",
                        "outer: as published, dark inside the hard edge; both: the inner half of the penumbra "
                        "too, with exact areas instead of the falloff (ours, not in the paper).",
-                       {"outer", "both"}));
+                       {"outer", "both"}, {std::string{"outer"}, std::string{"both"}}));
     settings.push_back(choice_setting(
         "passes", "Passes", "Depth and alpha of the smoothies in one pass, or in two as published.", kPasses));
     settings.push_back(choice_setting("resize", "Remap at",
@@ -115,6 +115,7 @@ const TechniqueInfo& Smoothies::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = smoothie_settings(),
+        .knob = "map_size",
     };
     return info;
 }
