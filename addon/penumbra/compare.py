@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import math
 import time
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import cache as caching
-from . import images, native, verdict
+from . import images, native, precision, sweep, verdict
 from .errors import UserError, sentence_of, unknown
 from .progress import Progress
 from .records import (
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
 
 SEEDS = 4  # of a randomised technique, to tell its noise from its bias
 SWEEP_SEEDS = 2  # the fewest that give a variance
-QUICK_STEPS = 3
 
 # Estimated seconds, only for the progress bar.
 _REFERENCE_WORK, _IMAGE_WORK, _TIMING_WORK = 12.0, 0.5, 5.0
@@ -55,7 +53,7 @@ class Options:
     target_rmse: float | None = None
     keep_everything: bool = False
     use_cache: bool = True
-    timing_seconds: float = 3.0  # per technique and light, soft
+    timing_seconds: float = 3.0  # for each median, soft
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class Job:
 
     info: dict[str, Any]
     settings: Settings
-    sweep: dict[str, Value] | None = None
+    sweep: dict[str, Any] | None = None
 
     @property
     def id(self) -> str:
@@ -137,27 +135,11 @@ def _parse_value(name: str, setting: dict[str, Any], text: str) -> Value:
     return value
 
 
-def jobs_of(infos: list[dict[str, Any]], info: dict[str, Any], settings: Settings, sweep: str) -> Iterator[Job]:
-    """What was asked for, then the steps of the sweep: one setting at a time, the others as asked for.
-
-    quick: about three values of the technique's quality knob; full: all values of all swept settings. The knob is the
-    first swept setting that fewest techniques have: a filter's width says more about it than the size of its map.
-    """
+def jobs_of(info: dict[str, Any], settings: Settings, mode: str) -> Iterator[Job]:
+    """What was asked for, then the steps of the sweep."""
     yield Job(info, settings)
-    if sweep == "off":
-        return
-    owners = Counter(setting["id"] for each in infos for setting in each["settings"] if setting["sweep"])
-    knobs = [setting for setting in info["settings"] if setting["sweep"]]
-    knobs.sort(key=lambda setting: owners[setting["id"]])
-    for setting in knobs[:1] if sweep == "quick" else knobs:
-        values = list(setting["sweep"])
-        if sweep == "quick" and len(values) > QUICK_STEPS:
-            values.pop()  # the dearest often takes longer than all others together
-            values = [values[round(i * (len(values) - 1) / (QUICK_STEPS - 1))] for i in range(QUICK_STEPS)]
-        standing = settings.get(setting["id"], setting["default"])
-        for value in values:
-            if value != standing:
-                yield Job(info, settings | {setting["id"]: value}, {"setting": setting["id"], "value": value})
+    for change in sweep.steps(info, settings, mode):
+        yield Job(info, settings | change, sweep.entry(change))
 
 
 def choose_lights(names: list[str], wanted: tuple[str, ...]) -> list[int]:
@@ -185,10 +167,9 @@ class Comparer:
         return lights * (_REFERENCE_WORK + count * (_IMAGE_WORK + _TIMING_WORK))
 
     def _jobs(self) -> dict[str, list[Job]]:
-        every = self._core.techniques()
-        infos = choose_techniques(every, self._options.techniques)
+        infos = choose_techniques(self._core.techniques(), self._options.techniques)
         return {
-            str(info["id"]): list(jobs_of(every, info, self._options.settings.get(info["id"], {}), self._options.sweep))
+            str(info["id"]): list(jobs_of(info, self._options.settings.get(info["id"], {}), self._options.sweep))
             for info in infos
         }
 
@@ -329,6 +310,7 @@ class Comparer:
         measure, mask = self._core.measure_errors, reference.mask
         record.area = dict(measure(pictures, reference.area, reference.standard_error, mask))
         record.irradiance = dict(measure(pictures, reference.irradiance, reference.irradiance_standard_error, mask))
+        record.headline_error = precision.headline_error(pictures, reference.area, reference.standard_error, mask)
         record.flip = images.flip_mean(pictures[0], reference.area, mask) if images.has_flip() else None
         if not record.is_sweep_step:
             record.visibility = pictures[0]
@@ -371,6 +353,7 @@ class Comparer:
         )
         for (_, record, _), answer in zip(done, measured, strict=True):
             record.time_ms = {name: _spread(answer[name]) for name in ("setup", "dynamic", "static", "view")}
+            record.time_ms["setup"].tight = None  # it happens once
             record.plan = [_step(step) for step in answer["plan"]]
             record.memory_bytes = int(answer["memory_bytes"]) or record.memory_bytes
 
@@ -380,6 +363,7 @@ def _record(job: Job, status: Any, reason: str) -> Record:
         technique=job.id,
         title=str(job.info["title"]),
         settings=dict(job.settings),
+        given=dict(job.settings),
         status=status,
         reason=reason,
         sweep=job.sweep,

@@ -6,9 +6,10 @@ No stand-in for the core: every array is computed here, and its errors too, with
 from __future__ import annotations
 
 import numpy as np
-from penumbra import verdict
+from penumbra import precision, together, verdict
 from penumbra.compare import reference_info
 from penumbra.records import Comparison, LightResult, Record, ReferenceResult, SceneResult, Spread, Statistic, Step
+from penumbra.sweep import entry as sweep_entry
 
 CLEAR = 1e-4  # the penumbra is where the truth lies between this and one minus this
 
@@ -59,10 +60,9 @@ def errors_of(visibility: np.ndarray, truth: np.ndarray, noise: np.ndarray, mask
     }
 
 
-def spread(median: float, width: float = 0.04, runs: int = 12) -> Spread:
-    return Spread(
-        median, median * (1 - 2 * width), median * (1 + 3 * width), median * (1 - width), median * (1 + width), runs
-    )
+def spread(median: float, width: float = 0.04, runs: int = 12, tight: bool | None = None) -> Spread:
+    p10, p90 = median * (1 - 2 * width), median * (1 + 3 * width)
+    return Spread(median, p10, p90, median * (1 - width), median * (1 + width), runs, tight)
 
 
 def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int = 1) -> SceneResult:
@@ -171,15 +171,17 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
         for technique, title, settings, values, cost, sweep in candidates:
             image = np.where(mask > 0, values, 1).astype(np.float32)
             record = Record(
-                technique, title, dict(settings), sweep={"setting": sweep[0], "value": sweep[1]} if sweep else None
+                technique, title, dict(settings), sweep=sweep_entry({sweep[0]: sweep[1]}) if sweep else None
             )
             record.area = errors_of(image, truth, noise, mask)
             record.irradiance = errors_of(image, irradiance_truth, noise, mask)
+            record.given = {sweep[0]: sweep[1]} if sweep else {}
+            record.headline_error = precision.headline_error([image], truth, noise, mask)
             record.flip = 0.4 * record.area["rmse"]
             record.time_ms = {
                 "setup": spread(14.0),
-                "dynamic": spread(cost),
-                "static": spread(cost * 0.7),
+                "dynamic": spread(cost, tight=True),
+                "static": spread(cost * 0.7, tight=technique != "pcf"),
                 "view": spread(4.2),
             }
             record.memory_bytes = 4 << 20
@@ -234,5 +236,9 @@ ENVIRONMENT = {
 
 
 def ramp_comparison() -> Comparison:
-    """Environment and options without scenes; add them with ramp_scene()."""
+    """Environment and options without scenes; add them with ramp_scene(), then summarise()."""
     return Comparison(environment=dict(ENVIRONMENT), options={"sweep": "quick", "target_rmse": 0.05})
+
+
+def summarise(comparison: Comparison) -> None:
+    together.summarise(comparison, 0.05)

@@ -23,6 +23,7 @@ TECHNIQUES = [
     {
         "id": "rays",
         "title": "Rays",
+        "knob": "rays",
         "randomised": True,
         "settings": [
             setting("rays", 16, 1, 65536, sweep=[1, 4, 16, 64, 256]),
@@ -72,34 +73,12 @@ def test_a_wrong_setting_is_one_sentence_with_the_choices(text: str, says: str) 
     assert "\n" not in str(caught.value)
 
 
-def test_without_a_sweep_there_is_one_job() -> None:
-    assert [job.sweep for job in jobs_of(TECHNIQUES, TECHNIQUES[1], {}, "off")] == [None]
-
-
-def test_a_quick_sweep_takes_three_values_but_neither_the_dearest_nor_the_standing_one() -> None:
-    values = [job.sweep["value"] for job in jobs_of(TECHNIQUES, TECHNIQUES[1], {}, "quick") if job.sweep]
-    assert values == [1, 64]  # the middle of the three is the default
-    values = [job.sweep["value"] for job in jobs_of(TECHNIQUES, TECHNIQUES[1], {"rays": 9}, "quick") if job.sweep]
-    assert values == [1, 16, 64]
-
-
-def test_a_quick_sweep_turns_the_knob_that_is_a_techniques_own() -> None:
-    shared = setting("map_size", 1024, 16, 16384, sweep=[256, 4096])
-    own = setting("kernel", 7, 1, 63, sweep=[3, 15])
-    hard = {"id": "hard", "title": "Hard", "randomised": False, "settings": [shared]}
-    soft = {"id": "soft", "title": "Soft", "randomised": False, "settings": [shared, own]}
-    swept = [
-        [job.sweep["setting"] for job in jobs_of([hard, soft], info, {}, "quick") if job.sweep] for info in (hard, soft)
-    ]
-    assert swept == [["map_size", "map_size"], ["kernel", "kernel"]]
-
-
-def test_a_full_sweep_varies_every_knob_one_at_a_time() -> None:
-    jobs = [job for job in jobs_of(TECHNIQUES, TECHNIQUES[1], {"rays": 4}, "full") if job.sweep]
-    assert [(job.sweep["setting"], job.sweep["value"]) for job in jobs if job.sweep] == [
-        ("rays", 1), ("rays", 16), ("rays", 64), ("rays", 256), ("scale", 0.5), ("scale", 2.0), ("filter", "2x2"),
-    ]  # fmt: skip
-    assert all(job.settings["rays"] == 4 for job in jobs if job.sweep and job.sweep["setting"] != "rays")
+def test_what_was_asked_for_comes_first_and_the_steps_change_it() -> None:
+    assert [job.sweep for job in jobs_of(TECHNIQUES[1], {}, "off")] == [None]
+    jobs = list(jobs_of(TECHNIQUES[1], {"rays": 9, "early": True}, "quick"))
+    assert jobs[0].settings == {"rays": 9, "early": True} and jobs[0].sweep is None
+    assert jobs[1].settings == {"rays": 1, "early": True}
+    assert jobs[1].sweep == {"setting": "rays", "value": 1, "changed": {"rays": 1}}
 
 
 def test_randomised_techniques_get_four_seeds_and_a_sweeps_steps_two() -> None:

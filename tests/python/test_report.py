@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import subprocess
 import time
@@ -33,6 +34,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]
         comparison.scenes.append(scene)
         writer.add_scene(scene)
     comparison.failures.append(Failure("ramps, Key, <b>pcf</b>", "out of memory"))
+    ramps.summarise(comparison)
     writer.finish(comparison)
     return folder, kept
 
@@ -85,6 +87,69 @@ def test_the_cheapest_within_the_target_is_the_cheapest_within_the_target(made: 
             cheapest = min(within, key=lambda record: record["time_ms"]["dynamic"]["median"])
             assert light["cheapest_within_target"] == cheapest["technique"]
             assert light["cheapest_settings"] == cheapest["settings"]
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader((folder / "results.csv").open(newline="")))
+
+
+def test_the_table_says_when_each_technique_reaches_each_error(made: tuple[Path, dict[str, Any]]) -> None:
+    folder, _ = made
+    light = report_of(folder)["scenes"][0]["lights"][0]
+    assert [target["error"] for target in light["targets"]] == [0.05, 0.02, 0.01, 0.005]
+    told = {}
+    for target in light["targets"]:
+        there = [reach for reach in target["reaches"] if reach["time_ms"] is not None]
+        assert target["winner"] == (min(there, key=lambda r: r["time_ms"])["technique"] if there else None)
+        for reach in target["reaches"]:
+            told[reach["technique"], target["error"]] = reach
+            within = [r for r in light["records"] if r["technique"] == reach["technique"] and r["status"] == "ok"]
+            within = [r for r in within if r["headline"] <= target["error"]]
+            assert (reach["state"] == "not_reached") == (not within)
+    for row in rows(folder)[:10]:
+        if row["sweep"] or row["status"] != "ok":
+            assert row["to_0.05"] == ""
+            continue
+        reach = told[row["technique"], 0.05]
+        assert row["to_0.05"] == row["to_target"] == reach["state"]
+        assert row["to_0.05_ms"] == ("" if reach["time_ms"] is None else str(reach["time_ms"]))
+    page = (folder / "report.html").read_text()
+    assert page.count("<h4>Time to an error</h4>") == 3 + 1 + 1  # lights, the first scene's together, all scenes
+
+
+def test_what_holds_of_all_scenes_stands_in_front_of_each(made: tuple[Path, dict[str, Any]]) -> None:
+    folder, _ = made
+    document = report_of(folder)
+    assert document["together"]["name"] == "All scenes"
+    assert document["scenes"][0]["together"] is not None and document["scenes"][1]["together"] is None
+    assert [target["scenes"] for target in document["targets"]] == [2, 2, 2, 2]
+    techniques = {mean["technique"] for target in document["targets"] for mean in target["means"]}
+    assert techniques == {"shadow_map", "pcf", "light_samples", "ray_traced"}
+    page = (folder / "report.html").read_text()
+    assert page.index("Each scene with its own setting") < page.index('aria-label="ramps &amp;')
+    assert "geometric mean" in page
+    assert "All scenes" not in document["scenes"][0]["path"]
+
+
+def test_the_pick_stands_in_the_report_with_the_words_to_ask_for_it(made: tuple[Path, dict[str, Any]]) -> None:
+    folder, _ = made
+    page = (folder / "report.html").read_text()
+    for light in report_of(folder)["scenes"][0]["lights"]:
+        pick = light["pick"]
+        record = light["records"][pick["record"]]
+        assert (record["technique"], record["settings"]) == (pick["technique"], light["cheapest_settings"])
+        assert f"<code>{' '.join(pick['arguments'])}</code>" in page
+        assert pick["sentence"] in light["sentences"]
+    picked = [row for row in rows(folder) if row["picked"] == "True"]
+    assert len(picked) == 3
+
+
+def test_medians_that_are_not_tight_are_marked(made: tuple[Path, dict[str, Any]]) -> None:
+    folder, _ = made
+    page = (folder / "report.html").read_text()
+    assert page.count("3 of 18 medians of frame times are not known to 5 %") == 3
+    assert page.count('<abbr title="This median is not known to 5 %">') == 9
+    assert {row["static_tight"] for row in rows(folder) if row["technique"] == "pcf"} == {"False"}
 
 
 def test_names_from_a_scene_cannot_become_markup(made: tuple[Path, dict[str, Any]]) -> None:
@@ -149,12 +214,17 @@ def test_not_a_number_becomes_null_in_json(tmp_path: Path) -> None:
     assert to_json(comparison)["environment"] == {"gl_renderer": "x", "bad": None, "worse": None}
 
 
-def test_a_curve_joins_the_swept_values_in_their_order_with_what_was_asked_for_on_it() -> None:
+def test_a_techniques_curve_is_its_own_front_and_what_lies_beside_it_stays_alone() -> None:
     light = ramps.ramp_scene(64, 36, 1).lights[0]
     (line,) = plots.curves(light)["pcf"]
     assert [record.settings["kernel"] for record in line] == [3, 9, 17]
     (alone,) = plots.curves(light)["shadow_map"]
     assert len(alone) == 1
+    dear = next(record for record in light.records if record.settings.get("kernel") == 9)
+    dear.time_ms["dynamic"] = ramps.spread(1000.0)
+    line, beside = plots.curves(light)["pcf"]
+    assert [record.settings["kernel"] for record in line] == [3, 17]
+    assert beside == [dear]
 
 
 @pytest.mark.parametrize(
@@ -251,6 +321,6 @@ def test_the_page_opens_offline_in_a_browser_and_shows_its_pictures(
     viewers = dom.count('<div class="viewer">')
     assert viewers >= 1, "no viewer started"
     assert "could not show the pictures (" not in dom.partition("<script")[0]
-    assert dom.count('<svg viewBox="0 0 640 400"') == 3
+    assert dom.count('<svg viewBox="0 0 640 400"') == 3 + 2  # lights, and several together
     subprocess.run([*common, f"--screenshot={shot}", page], capture_output=True, timeout=120)
     assert shot.stat().st_size > 50_000

@@ -101,6 +101,7 @@ _OF_SCENE: Readers = {
     "sweep": _choice("off", "quick", "full"),
     "reference_error": _number(1e-5, 0.5),
     "target_rmse": _number(0.0, 1.0),
+    "timing_seconds": _number(0.01, 3600.0),
     "warn_rmse": _number(0.0, 1.0),
     "fail_rmse": _number(0.0, 1.0),
     "keep_everything": _flag,

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from ..compare import Options
 from ..errors import UserError
 from ..files import slug, unique_slug
+from ..records import word
 
 MAX_FRAMES = 100_000  # of one scene: more is a slip of the finger
 FRAME_LIMIT = 1048574  # Blender's own
@@ -109,9 +110,11 @@ class Item:
             words.append(f"--sweep={options.sweep}")
             words.append(f"--reference-error={options.reference_error:g}")
             words += [] if options.target_rmse is None else [f"--target-rmse={options.target_rmse:g}"]
+            if options.timing_seconds != Options.timing_seconds:
+                words.append(f"--timing-seconds={options.timing_seconds:g}")
             words += [] if options.use_cache else ["--no-cache"]
         for technique, settings in options.settings.items():
-            words += [f"--set={technique}.{key}={_word(value)}" for key, value in settings.items()]
+            words += [f"--set={technique}.{key}={word(value)}" for key, value in settings.items()]
         return words
 
     def to_json(self) -> dict[str, Any]:
@@ -124,10 +127,6 @@ class Item:
             options[name] = tuple(options[name])
         size = document["size"]
         return cls(**document | {"options": Options(**options), "size": tuple(size) if size else None})
-
-
-def _word(value: object) -> str:
-    return ("on" if value else "off") if isinstance(value, bool) else str(value)
 
 
 def _lists(value: Any) -> Any:

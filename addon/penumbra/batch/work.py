@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from .. import compare, environment, native, render, scenes
+from .. import compare, environment, native, render, scenes, together
 from ..commands.scene import make_renderer, read_view
 from ..errors import UserError
 from ..progress import Progress
@@ -110,6 +110,7 @@ class Workbench:
         progress.add_work(comparer.work(len(item.options.lights) or len(export.lights)))
         scene = comparer.compare(export, item.scene)
         comparison = Comparison(environment={}, options=_recorded(item), scenes=[scene], failures=comparer.failures)
+        together.summarise(comparison, item.options.target_rmse)
         writer = ReportWriter(folder)
         writer.add_scene(scene)
         comparison.environment = environment.collect(self._core, renderer, item.arguments())
@@ -141,6 +142,7 @@ def _recorded(item: Item) -> dict[str, Any]:
         "sweep": options.sweep,
         "reference_error": options.reference_error,
         "target_rmse": options.target_rmse,
+        "timing_seconds": options.timing_seconds,
         "warn_rmse": item.warn_rmse,
         "fail_rmse": item.fail_rmse,
         "keep_everything": options.keep_everything,

@@ -89,7 +89,13 @@ def comparison_options(parser: argparse.ArgumentParser, sweep: str) -> None:
         "--reference-error", type=between(1e-5, 0.5), default=0.002, metavar="E",
         help="standard error of the reference, per pixel, of V; default: 0.002",
     )  # fmt: skip
-    parser.add_argument("--target-rmse", type=error, metavar="E", help="name the cheapest technique within this error")
+    parser.add_argument(
+        "--timing-seconds", type=between(0.01, 3600.0), default=3.0, metavar="S",
+        help="spend at most about S on each median; most are tight sooner; default: 3",
+    )  # fmt: skip
+    parser.add_argument(
+        "--target-rmse", type=error, metavar="E", help="pick the cheapest setting within this error, say what it saves"
+    )
     parser.add_argument("--warn-rmse", type=error, metavar="E", help="exit code 3 if a penumbra RMSE is above")
     parser.add_argument("--fail-rmse", type=error, metavar="E", help="exit code 4 if a penumbra RMSE is above")
     parser.add_argument("--keep-everything", action="store_true", help="leave no work out")

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 _DEFAULTS: dict[str, Any] = {
     "render": False, "technique": "", "format": "exr", "device": "", "workers": 1, "no_cache": False,
     "frames": (), "cameras": (), "size": None, "techniques": (), "set": [], "lights": (), "sweep": "off",
-    "reference_error": 0.002, "target_rmse": None, "warn_rmse": None, "fail_rmse": None, "keep_everything": False,
+    "timing_seconds": 3.0, "reference_error": 0.002, "target_rmse": None, "warn_rmse": None, "fail_rmse": None,
+    "keep_everything": False,
 }  # fmt: skip
 
 

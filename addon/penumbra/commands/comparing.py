@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,7 @@ def bundled_scene(name: str) -> Path:
 
 def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
     with interrupts.held():
-        from .. import compare, doctor, environment, native
+        from .. import compare, doctor, environment, native, together
         from ..files import why_not_writable
         from ..progress import Progress
         from ..records import Comparison, Failure
@@ -93,6 +94,7 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
             raise refusals[0]
         progress.stage("report", 1.0)
         comparison.failures += comparer.failures
+        together.summarise(comparison, options.target_rmse)
         comparison.environment = environment.collect(core, renderer, arguments.given)
         page = writer.finish(comparison)
         progress.finish()
@@ -100,7 +102,9 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
 
 
 def _recorded_options(arguments: argparse.Namespace) -> dict[str, Any]:
-    names = ("sweep", "reference_error", "target_rmse", "warn_rmse", "fail_rmse", "keep_everything")
+    names = (
+        "sweep", "reference_error", "target_rmse", "timing_seconds", "warn_rmse", "fail_rmse", "keep_everything",
+    )  # fmt: skip
     return {name: getattr(arguments, name) for name in names}
 
 
@@ -124,7 +128,15 @@ def options_of(core: Any, arguments: argparse.Namespace) -> Any:
         target_rmse=arguments.target_rmse,
         keep_everything=arguments.keep_everything,
         use_cache=not arguments.no_cache,
+        timing_seconds=arguments.timing_seconds,
     )
+
+
+def _tell(light: Any) -> None:
+    for sentence in light.sentences:
+        print(f"  {sentence}")
+    if light.pick is not None:
+        print(f"  use: {shlex.join(light.pick.arguments)}")
 
 
 def _conclude(comparison: Any, page: Path, arguments: argparse.Namespace) -> int:
@@ -141,8 +153,13 @@ def _conclude(comparison: Any, page: Path, arguments: argparse.Namespace) -> int
                     print(f"  {record.technique:<20} {record.headline:>9.4f}  {dynamic:>9.2f} ms  {mark}".rstrip())
                 else:
                     print(f"  {record.technique:<20} {record.status}: {record.reason}")
-            for sentence in light.sentences:
-                print(f"  {sentence}")
+            _tell(light)
+        if scene.together is not None:
+            print(scene.together.name)
+            _tell(scene.together)
+    if comparison.together is not None:
+        print(f"{comparison.together.name} ({len(comparison.scenes)}; times are geometric means)")
+        _tell(comparison.together)
     print(f"report: {page}")
     worst = max(
         (

@@ -47,7 +47,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Curve:
-    """A technique's points, joined by a line: what was asked for and the steps of its sweep."""
+    """A technique's points, joined by a line."""
 
     number: int  # of the technique, for its colour
     points: Sequence[Point]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from .. import environment, native, picture
+from .. import environment, native, picture, together
 from ..compare import Comparer, Options
 from ..progress import ToldProgress
 from ..records import Comparison
@@ -105,6 +105,7 @@ class Running:
         facts = environment.collect(core, renderer, [])
         facts["command"] = "comparison panel"
         self.comparison = Comparison(facts, _recorded(order.options), [scene], comparer.failures)
+        together.summarise(self.comparison, order.options.target_rmse)
         self.thumbnails = pictures.thumbnails(scene)
         self.key = pictures.keep(scene)
 
@@ -120,7 +121,7 @@ class Running:
 
 
 def _recorded(options: Options) -> dict[str, Any]:
-    names = ("sweep", "reference_error", "target_rmse", "keep_everything")
+    names = ("sweep", "reference_error", "target_rmse", "timing_seconds", "keep_everything")
     return {name: getattr(options, name) for name in names} | {"warn_rmse": None, "fail_rmse": None}
 
 

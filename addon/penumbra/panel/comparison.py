@@ -12,8 +12,8 @@ from .. import catalogue, verdict
 from ..comparison import operators as ops
 from ..comparison import pictures, results, running, show, table
 from ..engine import ENGINE
-from ..records import Record, Settings
-from ..report.html import format_bytes, short_settings
+from ..records import Record, Settings, settings_text
+from ..report.html import format_bytes
 from .settings import draw_settings
 
 _COLUMNS = (("NAME", "Technique"), ("ERROR", "Error"), ("TIME", "Time"))
@@ -205,7 +205,7 @@ def draw_row(layout: Any, context: Any) -> None:
     if record.area is not None:
         _text(layout, str(record.area.get("sentence", "")), context)
     changed = changed_settings(record)
-    _text(layout, f"Settings: {short_settings(changed)}" if changed else "All settings at their defaults", context)
+    _text(layout, f"Settings: {settings_text(changed)}" if changed else "All settings at their defaults", context)
 
 
 def changed_settings(record: Record) -> Settings:

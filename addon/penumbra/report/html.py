@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import colours, verdict
 from ..files import slug
-from ..records import PART_FIELDS, Comparison, LightResult, Record, Value
+from ..records import PART_FIELDS, Comparison, LightResult, Record, settings_text
 from . import palette
 from .pictures import EmbeddedLight, EmbeddedScene
 
@@ -35,20 +35,28 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
     """The whole page as text."""
     numbers = palette.order(comparison)
     scenes: list[dict[str, Any]] = []
-    data = []
+    data: list[dict[str, Any]] = []
     for scene, pixels in zip(comparison.scenes, shown, strict=True):
         lights = []
         for index, (light, embedded) in enumerate(zip(scene.lights, pixels.embedded.lights, strict=True)):
             key = f"{pixels.slug}-{index}-{slug(light.name)}"
-            lights.append({"key": key, "light": light, "rows": _rows(light, numbers), "cards": _cards(light)})
+            entry = {"key": key, "light": light, "rows": _rows(light, numbers), "cards": _cards(light)}
+            lights.append(entry | {"timing": verdict.timing_sentence(light)})
             data.append(_light_data(key, scene.size, light, embedded, numbers))
-        scenes.append({"slug": pixels.slug, "scene": scene, "lights": lights})
+        together = _together(f"{pixels.slug}-together", scene.together, numbers, data)
+        scenes.append({"slug": pixels.slug, "scene": scene, "lights": lights, "together": together})
+    everything = _together("all-scenes", comparison.together, numbers, data)
+    techniques = {r.technique: r.title for s in comparison.scenes for light in s.lights for r in light.records}
     text: str = _template().render(
         comparison=comparison,
         environment=comparison.environment,
         options=comparison.options,
         failures=comparison.failures,
         scenes=scenes,
+        together=everything,
+        targets=comparison.targets,
+        techniques=techniques,
+        colours={technique: palette.colour(number) for technique, number in numbers.items()},
         style=style(),
         script=_text("report.js"),
         data=_script_safe(
@@ -56,6 +64,7 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
                 "albedo": {shown_scene.slug: shown_scene.embedded.albedo for shown_scene in shown},
                 "sceneOf": {light["key"]: scene["slug"] for scene in scenes for light in scene["lights"]},
                 "lights": data,
+                "target": comparison.options.get("target_rmse"),
                 "inferno": base64.b64encode(colours.table("inferno").tobytes()).decode(),
                 "signed": base64.b64encode(colours.table("RdBu_r").tobytes()).decode(),
             }
@@ -66,6 +75,16 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
         budget_name=verdict.error_name,
     )
     return text
+
+
+def _together(
+    key: str, light: LightResult | None, numbers: dict[str, int], data: list[dict[str, Any]]
+) -> dict[str, Any] | None:
+    """Several lights' figures, without pictures; the script gets theirs into `data`."""
+    if light is None:
+        return None
+    data.append(_light_data(key, (0, 0), light, EmbeddedLight(), numbers))
+    return {"key": key, "light": light}
 
 
 def _cards(light: LightResult) -> list[dict[str, Any]]:
@@ -86,7 +105,7 @@ def _rows(light: LightResult, numbers: dict[str, int]) -> list[dict[str, Any]]:
             "index": i,
             "record": record,
             "colour": palette.colour(numbers[record.technique]),
-            "settings": short_settings(record.settings),
+            "settings": settings_text(record.settings),
         }
         if record.status == "ok" and record.area is not None:
             total = sum(record.area["parts"].values())
@@ -99,16 +118,6 @@ def _rows(light: LightResult, numbers: dict[str, int]) -> list[dict[str, Any]]:
             row["step_total_ms"] = sum(step.time_ms for step in record.plan if step.state == "run")
         rows.append(row)
     return rows
-
-
-def short_settings(settings: dict[str, Value]) -> str:
-    return ", ".join(f"{key} {_short(value)}" for key, value in settings.items())
-
-
-def _short(value: Value) -> str:
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _light_data(
@@ -141,7 +150,7 @@ def _record_data(index: int, record: Record, picture: str, number: int) -> dict[
         "technique": record.technique,
         "title": record.title,
         "label": record.label(),
-        "settings": short_settings(record.settings),
+        "settings": settings_text(record.settings),
         "sweep": record.sweep,
         "sweepValues": record.settings,
         "picture": picture,
@@ -181,6 +190,7 @@ def template(text: str) -> Any:
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     environment.filters.update(error=format_error, ms=verdict.milliseconds, bytes=format_bytes, percent=format_percent)
+    environment.filters["settings"] = settings_text
     return environment.from_string(text)
 
 

@@ -1,4 +1,4 @@
-"""pareto.svg and pareto.png: error against time, log axes, one panel per light."""
+"""pareto.svg and pareto.png: error against time, log axes; a panel for each light, and for several together."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import io
 from dataclasses import dataclass
 from typing import Any
 
-from .. import verdict
+from .. import targets
 from ..records import Comparison, LightResult, Record
 from . import palette
 
@@ -26,7 +26,7 @@ def pareto(comparison: Comparison) -> Drawn:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    panels = [(scene, light) for scene in comparison.scenes for light in scene.lights if verdict.comparable(light)]
+    panels = _panels(comparison)
     left_out = len(panels) - MAX_PANELS
     panels = panels[:MAX_PANELS]
     columns = min(max(len(panels), 1), 2)
@@ -38,9 +38,9 @@ def pareto(comparison: Comparison) -> Drawn:
         FigureCanvasAgg(figure)
         numbers = palette.order(comparison)
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
-        for axes, (scene, light) in zip(grid, panels, strict=False):
-            _panel(axes, light, numbers)
-            axes.set_title(f"{scene.name}: {light.name} ({light.shape})", fontsize=10)
+        for axes, (title, light) in zip(grid, panels, strict=False):
+            _panel(axes, light, numbers, comparison.options.get("target_rmse"))
+            axes.set_title(title, fontsize=10)
         for axes in grid[len(panels) :]:
             axes.set_axis_off()
         if not panels:
@@ -54,41 +54,36 @@ def pareto(comparison: Comparison) -> Drawn:
     return Drawn(svg.getvalue(), png.getvalue())
 
 
+def _panels(comparison: Comparison) -> list[tuple[str, LightResult]]:
+    """Titles and figures: of all scenes, of each scene's lights together, of each light."""
+    found: list[tuple[str, LightResult]] = []
+    if comparison.together is not None:
+        count = len(comparison.scenes)
+        found.append((f"{count} scenes: geometric mean times, largest errors", comparison.together))
+    for scene in comparison.scenes:
+        if scene.together is not None:
+            found.append((f"{scene.name}: all lights in one frame, largest errors", scene.together))
+        found += [(f"{scene.name}: {light.name} ({light.shape})", light) for light in scene.lights]
+    return [(title, light) for title, light in found if light.comparable()]
+
+
 def curves(light: LightResult) -> dict[str, list[list[Record]]]:
-    """By technique, the records of each curve in the order of the swept value; what was asked for is on all."""
+    """By technique, first its curve (its own Pareto front, from fast to slow), then each record beside it by itself."""
     found: dict[str, list[list[Record]]] = {}
-    usable = [light.records[i] for i in verdict.comparable(light)]
-    for base in (record for record in usable if not record.is_sweep_step):
-        steps: dict[str, list[Record]] = {}
-        for record in usable:
-            if record.technique == base.technique and record.sweep:
-                steps.setdefault(str(record.sweep["setting"]), []).append(record)
-        lines = []
-        for setting, members in steps.items():
-            values = [*members, base]
-            numeric = all(isinstance(record.settings.get(setting), (int, float)) for record in values)
-            if numeric:
-                values.sort(key=lambda record: float(record.settings[setting]))
-            lines.append(values)
-        found[base.technique] = lines or [[base]]
+    for technique in dict.fromkeys(light.records[i].technique for i in light.comparable()):
+        on_it = targets.curve(light, technique)
+        beside = [i for i in light.comparable() if light.records[i].technique == technique and i not in on_it]
+        found[technique] = [[light.records[i] for i in on_it], *([light.records[i]] for i in beside)]
     return found
 
 
-def _panel(axes: Any, light: LightResult, numbers: dict[str, int]) -> None:
-    usable = [light.records[i] for i in verdict.comparable(light)]
-    for technique, lines in curves(light).items():
+def _panel(axes: Any, light: LightResult, numbers: dict[str, int], target: float | None) -> None:
+    usable = [light.records[i] for i in light.comparable()]
+    for technique, (curve, *beside) in curves(light).items():
         colour, marker = palette.colour(numbers[technique]), palette.marker(numbers[technique])
-        for k, line in enumerate(lines):
-            x = [record.time_ms["dynamic"].median for record in line]
-            y = [max(record.headline, _FLOOR) for record in line]
-            spread = [
-                [max(0.0, t - record.time_ms["dynamic"].low) for t, record in zip(x, line, strict=True)],
-                [max(0.0, record.time_ms["dynamic"].high - t) for t, record in zip(x, line, strict=True)],
-            ]
-            axes.errorbar(
-                x, y, xerr=spread, color=colour, marker=marker, markersize=5, linewidth=1.2, capsize=2,
-                label=line[0].title if k == 0 else None,
-            )  # fmt: skip
+        _draw(axes, curve, color=colour, marker=marker, markersize=5, linewidth=1.2, label=curve[0].title)
+        for line in beside:  # something of its own is both cheaper and better
+            _draw(axes, line, color=colour, marker=marker, markersize=3, linewidth=0.8, alpha=0.4)
     front = sorted((r for r in usable if r.on_pareto_front), key=lambda record: record.time_ms["dynamic"].median)
     if front:
         axes.step(
@@ -99,9 +94,19 @@ def _panel(axes: Any, light: LightResult, numbers: dict[str, int]) -> None:
     noise = float(light.reference_info.get("standard_error", 0.0))
     if noise > 0:
         axes.axhline(noise, color="0.5", linestyle=":", linewidth=1, label="reference's noise")
+    if target:
+        axes.axhline(target, color="0.3", linestyle="--", linewidth=1, label="target")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.grid(True, which="major", alpha=0.3)
     axes.set_xlabel("dynamic frame, ms")
     axes.set_ylabel("penumbra RMSE")
     axes.legend(fontsize=7, framealpha=0.8)
+
+
+def _draw(axes: Any, line: list[Record], **style: Any) -> None:
+    spreads = [record.time_ms["dynamic"] for record in line]
+    below = [max(0.0, spread.median - spread.low) for spread in spreads]
+    above = [max(0.0, spread.high - spread.median) for spread in spreads]
+    errors = [max(record.headline, _FLOOR) for record in line]
+    axes.errorbar([spread.median for spread in spreads], errors, xerr=[below, above], capsize=2, **style)

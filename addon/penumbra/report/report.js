@@ -422,6 +422,8 @@
         out.push(`<clipPath id="${clip}"><rect x="${left}" y="${top}" width="${right - left}" height="${bottom - top}"/></clipPath>`);
         out.push(`<path class="front-line" clip-path="url(#${clip})" d="${path}H${right}"/>`);
       }
+      const target = page.target;
+      if (target && Y(target) > top && Y(target) < bottom && visible[0]?.metric.endsWith("headline")) out.push(`<line class="target-line" x1="${left}" x2="${right}" y1="${Y(target)}" y2="${Y(target)}"/><text class="noise-name" x="${right - 6}" y="${Y(target) - 5}" text-anchor="end">target</text>`);
       for (const line of this.lines(visible)) {
         out.push(`<polyline fill="none" stroke="${line[0].record.colour}" stroke-width="1.6" points="${line.map(point => `${X(point.time)},${Y(at(point.error))}`).join(" ")}"/>`);
       }
@@ -429,10 +431,11 @@
         const y = Y(at(point.error)), colour = point.record.colour;
         if (X(point.high) - X(point.low) > 3) out.push(`<path stroke="${colour}" stroke-width="1.3" fill="none" d="M${X(point.low)} ${y}H${X(point.high)}M${X(point.low)} ${y - 4}v8M${X(point.high)} ${y - 4}v8"/>`);
       }
+      const curve = new Set(this.lines(visible).flat());
       visible.forEach((point, i) => {
         const { record } = point, big = !record.sweep;
         const shape = SHAPES[record.marker % SHAPES.length](big ? 6.5 : 4);
-        out.push(`<g class="point" tabindex="${big ? 0 : -1}" role="button" data-point="${i}" transform="translate(${X(point.time)} ${Y(at(point.error))})" fill="${record.colour}" stroke="var(--sheet)" stroke-width="1.2" aria-label="${escape(record.label)}: error ${figure(point.error)}, ${ms(point.time)}">${shape}</g>`);
+        out.push(`<g class="point${curve.has(point) ? "" : " beside"}" tabindex="${big ? 0 : -1}" role="button" data-point="${i}" transform="translate(${X(point.time)} ${Y(at(point.error))})" fill="${record.colour}" stroke="var(--sheet)" stroke-width="1.2" aria-label="${escape(record.label)}: error ${figure(point.error)}, ${ms(point.time)}">${shape}</g>`);
       });
       out.push("</svg>", this.keys(all));
       this.host.innerHTML = out.join("");
@@ -454,20 +457,10 @@
       return out.join("");
     }
 
-    /** Lines join what one swept setting gives, in the order of its values; the setting as asked for lies on each. */
+    /** A technique's line is its own front. */
     lines(points) {
-      const found = [];
-      for (const technique of new Set(points.map(point => point.record.technique))) {
-        const own = points.filter(point => point.record.technique === technique), base = own.find(point => !point.record.sweep);
-        for (const setting of new Set(own.filter(point => point.record.sweep).map(point => point.record.sweep.setting))) {
-          const line = own.filter(point => point.record.sweep?.setting === setting);
-          if (base) line.push(base);
-          const value = point => point.record.sweepValues[setting];
-          if (line.every(point => typeof value(point) === "number")) line.sort((a, b) => value(a) - value(b));
-          if (line.length > 1) found.push(line);
-        }
-      }
-      return found;
+      const techniques = [...new Set(points.map(point => point.record.technique))];
+      return techniques.map(technique => this.front(points.filter(point => point.record.technique === technique)));
     }
 
     front(points) {
@@ -511,7 +504,9 @@
   /* ---- table ---------------------------------------------------------------------------------------------------------- */
 
   function tableOf(article, viewer) {
-    const table = $(article, "table"), body = $(table, "tbody");
+    const table = $(article, ".table-box table");
+    if (!table) return;
+    const body = $(table, "tbody");
     $$(table, "thead th").forEach((head, column) => {
       head.innerHTML = `<button type="button">${head.innerHTML}</button>`;
       $(head, "button").addEventListener("click", () => {
@@ -555,7 +550,7 @@
       watcher.observe(article);
     }
   }
-  const first = $(document, "article.light");
+  const first = $$(document, "article.light").find(article => waiting.has(article));
   if (first) start(first);
   addEventListener("beforeprint", () => { for (const article of [...waiting.keys()]) start(article); });
 })();

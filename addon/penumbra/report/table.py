@@ -7,19 +7,26 @@ import io
 import json
 from typing import Any
 
-from ..records import ERROR_FIELDS, PART_FIELDS, Comparison, Record
+from ..records import ERROR_FIELDS, PART_FIELDS, Comparison, LightResult, Record
+from ..targets import TARGETS
 
 _MORE_ERRORS = ("leak", "over_darkening", "penumbra_width_ratio")
 _TIMES = ("setup", "dynamic", "static", "view")
+_SPREAD = {"median_ms": "median", "p10_ms": "p10", "p90_ms": "p90", "low_ms": "low", "high_ms": "high", "runs": "runs",
+           "tight": "tight"}  # fmt: skip
+_REACH = {"": "state", "_ms": "time_ms", "_low_ms": "low_ms", "_high_ms": "high_ms"}
 
 COLUMNS = [
-    "scene", "light", "shape", "technique", "settings", "sweep", "status", "reason", "on_pareto_front",
+    "scene", "light", "shape", "technique", "settings", "sweep", "status", "reason", "on_pareto_front", "on_own_front",
+    "picked", "headline", "headline_error",
     *(f"area_{name}" for name in (*ERROR_FIELDS, *_MORE_ERRORS)),
     *(f"irradiance_{name}" for name in (*ERROR_FIELDS, *_MORE_ERRORS)),
     "flip", "reference_standard_error", "within_reference_noise", "dominant_error",
     *(f"part_{name}" for name in PART_FIELDS),
-    *(f"{time}_{figure}" for time in _TIMES for figure in ("median_ms", "p10_ms", "p90_ms", "runs")),
+    *(f"{time}_{figure}" for time in _TIMES for figure in _SPREAD),
     "memory_bytes",
+    # When the technique reaches an error, in the row of its settings as asked for; "target" is --target-rmse.
+    *(f"to_{name}{figure}" for name in (*(f"{error:g}" for error in TARGETS), "target") for figure in _REACH),
 ]  # fmt: skip
 
 
@@ -30,9 +37,25 @@ def csv_text(comparison: Comparison) -> str:
     writer.writeheader()
     for scene in comparison.scenes:
         for light in scene.lights:
-            for record in light.records:
-                writer.writerow({"scene": scene.path, "light": light.name, "shape": light.shape, **_row(record)})
+            for i, record in enumerate(light.records):
+                row = {"scene": scene.path, "light": light.name, "shape": light.shape, **_row(record)}
+                if record.status == "ok":
+                    row["picked"] = light.pick is not None and light.pick.record == i
+                if not record.is_sweep_step:
+                    row |= _reaches(light, record.technique, comparison.options.get("target_rmse"))
+                writer.writerow(row)
     return buffer.getvalue()
+
+
+def _reaches(light: LightResult, technique: str, asked: float | None) -> dict[str, Any]:
+    row: dict[str, Any] = {}
+    for target in light.targets:
+        names = [f"{target.error:g}"] if target.error in TARGETS else []
+        names += ["target"] if target.error == asked else []
+        for reach in target.reaches:
+            if reach.technique == technique:
+                row |= {f"to_{name}{end}": getattr(reach, field) for name in names for end, field in _REACH.items()}
+    return row
 
 
 def _row(record: Record) -> dict[str, Any]:
@@ -52,14 +75,12 @@ def _row(record: Record) -> dict[str, Any]:
     for time in _TIMES:
         if time in record.time_ms:
             spread = record.time_ms[time]
-            row |= {
-                f"{time}_median_ms": spread.median,
-                f"{time}_p10_ms": spread.p10,
-                f"{time}_p90_ms": spread.p90,
-                f"{time}_runs": spread.runs,
-            }
+            row |= {f"{time}_{figure}": getattr(spread, name) for figure, name in _SPREAD.items()}
     return row | {
         "on_pareto_front": record.on_pareto_front,
+        "on_own_front": record.on_own_front,
+        "headline": record.headline,
+        "headline_error": record.headline_error,
         "flip": record.flip,
         "reference_standard_error": record.area["reference_standard_error"],
         "within_reference_noise": record.area["within_reference_noise"],
