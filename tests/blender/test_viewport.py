@@ -17,8 +17,9 @@ from penumbra import bridge, picture
 from penumbra.picture import Wanted
 from penumbra.progress import Progress
 from penumbra.read.view_camera import view_camera
+from penumbra.viewport import worker as worker_module
 from penumbra.viewport.pictures import LARGEST_HALF, Pictures, displayable
-from penumbra.viewport.worker import Worker
+from penumbra.viewport.worker import Question, Worker
 
 SIZE = (96, 64)
 
@@ -174,6 +175,41 @@ def test_the_newest_question_wins_and_older_ones_end_early(asked: Any) -> None:
         asked(step, x=0.01 * step)
     finished(asked.worker, 19)
     assert time.monotonic() - started < 10, "hours of rays were given up"
+
+
+def overtaken(worker: Worker[Any]) -> list[str]:
+    """A question during whose work a newer one comes; what becomes of its two answers, and of the newer one's."""
+    heard: list[str] = []
+
+    def newer(_renderer: Any, desk: Any) -> None:
+        desk.show("newer")
+
+    def older(_renderer: Any, desk: Any) -> None:
+        worker.ask(Question("newer", newer))
+        for name in ("first", "second"):
+            try:
+                desk.stop_if_old()
+                desk.show(name)
+                heard.append(worker.shown)
+            except picture.StoppedError:
+                heard.append(f"{name} given up")
+        raise picture.StoppedError
+
+    worker.ask(Question("older", older))
+    wait_for(lambda: worker.shown == "newer")
+    return heard
+
+
+def test_a_turning_view_sees_a_first_picture_of_each_question_that_is_worked_on(
+    asked: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker_module, "PATIENCE_S", 60.0)
+    assert overtaken(asked.worker) == ["first", "second given up"]
+
+
+def test_an_old_question_that_takes_long_is_given_up(asked: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker_module, "PATIENCE_S", 0.0)
+    assert overtaken(asked.worker) == ["first given up", "second given up"]
 
 
 def test_an_error_is_a_sentence_and_the_last_picture_stays(asked: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,18 +12,19 @@ from .. import compat
 from ..records import Image
 
 Box = tuple[int, int, int, int]  # left, bottom, width, height in pixels of the region
+Colour = tuple[float, float, float, float]
 
 
 class Texture:
     """A picture on Blender's device, sent when it changes."""
 
     def __init__(self) -> None:
-        self._number = -1
+        self.number = -1  # of the pixels that are there
         self._texture: Any = None
 
     def update(self, number: int, pixels: Image) -> bool:
         """@returns True if it was sent. @param number another one for other pixels"""
-        if number == self._number and self._texture is not None:
+        if number == self.number and self._texture is not None:
             return False
         import gpu
 
@@ -32,7 +33,7 @@ class Texture:
         height, width = pixels.shape[:2]
         data = gpu.types.Buffer("FLOAT", pixels.size, pixels.reshape(-1))
         self._texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
-        self._number = number
+        self.number = number
         return True
 
     def draw(self, box: Box, *, on_display: bool = False) -> None:
@@ -52,7 +53,7 @@ class Texture:
 
     def free(self) -> None:
         self._texture = None
-        self._number = -1
+        self.number = -1
 
 
 def draw_text(
@@ -77,9 +78,7 @@ def draw_text(
         blf.draw(font, line)
 
 
-def draw_bar(
-    left: float, bottom: float, width: float, height: float, colour: tuple[float, float, float, float]
-) -> None:
+def draw_bar(left: float, bottom: float, width: float, height: float, colour: Colour) -> None:
     """A filled rectangle in pixels of the region; display colour."""
     import gpu
     from gpu_extras.batch import batch_for_shader
@@ -92,6 +91,18 @@ def draw_bar(
     shader.uniform_float("color", colour)
     batch.draw(shader)
     gpu.state.blend_set("NONE")
+
+
+def draw_ramp(left: float, bottom: float, width: float, height: float, colours: Sequence[Colour]) -> None:
+    """A bar that takes these display colours one after the other, from left to right."""
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    step = width / (len(colours) - 1)
+    corners = [(left + i * step, y) for i in range(len(colours)) for y in (bottom, bottom + height)]
+    each = [colour for colour in colours for _ in range(2)]
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    batch_for_shader(shader, "TRI_STRIP", {"pos": corners, "color": each}).draw(shader)
 
 
 @contextlib.contextmanager

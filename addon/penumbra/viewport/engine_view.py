@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import weakref
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from .. import errors, picture, preferences, properties
@@ -13,17 +13,8 @@ from ..sync import SceneSync
 from . import redraws
 from .draw import Texture, draw_text
 from .pictures import Pictures, Shown
+from .times import Times
 from .worker import Worker
-
-
-@dataclass
-class Times:
-    """Seconds of the last time each was done."""
-
-    read: float = 0.0  # what changed in Blender's scene
-    core: float = 0.0  # a picture, on the viewport's own thread
-    upload: float = 0.0  # its pixels to Blender's device
-    draw: float = 0.0  # all that Blender waited for when it drew, upload included
 
 
 class EngineView:
@@ -48,6 +39,12 @@ class EngineView:
     def busy(self) -> bool:
         """A picture is being made."""
         return self._worker.busy
+
+    @property
+    def rests(self) -> bool:
+        """Nothing is being made, and what was made is put up."""
+        shown = self._worker.shown
+        return not self._worker.busy and (shown is None or shown.number == self._texture.number)
 
     def update(self, context: Any, depsgraph: Any) -> None:
         started = time.perf_counter()

@@ -6,6 +6,7 @@ While it is off there is no handler, no thread and no renderer.
 from __future__ import annotations
 
 import contextlib
+import time
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,8 +17,9 @@ from .. import catalogue, colours, errors, preferences, properties
 from ..read import view_region
 from ..sync import SceneSync
 from . import redraws
-from .draw import Texture, draw_bar, draw_text, scissored
+from .draw import Texture, draw_bar, draw_ramp, draw_text, scissored
 from .overlay_pictures import ERROR, ERROR_OTHER, REFERENCE, Compared, Comparisons, Wanted
+from .times import Times
 from .worker import Worker
 
 _TITLE_PX = 14.0
@@ -34,6 +36,12 @@ class _Region:
     right: Texture = field(default_factory=Texture)
     asked: Any = None
     cursor: tuple[int, int] | None = None  # pixels of the region
+    times: Times = field(default_factory=Times)
+
+    @property
+    def rests(self) -> bool:
+        shown = self.worker.shown
+        return not self.worker.busy and (shown is None or shown.number == self.left.number)
 
     def close(self) -> None:
         self.worker.close()
@@ -115,6 +123,11 @@ class PENUMBRA_PG_overlay(bpy.types.PropertyGroup):  # noqa: N801
 
 def is_on() -> bool:
     return _state.on
+
+
+def rests() -> bool:
+    """It is on, nothing is being made, and what was made is put up: for tests."""
+    return _state.on and bool(_state.regions) and all(region.rests for region in _state.regions.values())
 
 
 def switch_on(context: Any) -> None:
@@ -219,6 +232,7 @@ def _draw() -> None:
 
 
 def _draw_region(context: Any) -> None:
+    started = time.perf_counter()
     seen = view_region.seen_part(context)
     if seen is None:
         return
@@ -237,6 +251,7 @@ def _draw_region(context: Any) -> None:
         draw_text(["Penumbra: the first pictures are being made ..."], 20.0, 60.0)
     if problem:
         draw_text([f"Penumbra: {problem}"], 20.0, context.region.height / 2.0, alarm=True)
+    kept.times.draw = time.perf_counter() - started
 
 
 def _wanted(context: Any) -> Wanted:
@@ -283,8 +298,9 @@ def _ask(context: Any, kept: _Region, seen: view_region.SeenPart) -> None:
 
 def _draw_sides(context: Any, kept: _Region, shown: Compared, box: tuple[int, int, int, int]) -> None:
     region = context.region
-    kept.left.update(shown.number, shown.left)
-    kept.right.update(shown.number, shown.right)
+    started = time.perf_counter()
+    if kept.left.update(shown.number, shown.left) and kept.right.update(shown.number, shown.right):
+        kept.times.upload = time.perf_counter() - started
     line = wipe_px(context)
     with scissored(region, 0, 0, line, region.height):
         kept.left.draw(box, on_display=True)
@@ -317,12 +333,10 @@ def _figures(kept: _Region, shown: Compared, box: tuple[int, int, int, int]) -> 
 
 
 def _draw_legend(region: Any, scale: float) -> None:
-    table = colours.table("inferno")
     width, height = 256, 10
     left, bottom = region.width - width - 24, 40
-    for i in range(0, 256, 4):
-        r, g, b = (float(c) / 255.0 for c in table[i])
-        draw_bar(left + i * width // 256, bottom, 4, height, (r, g, b, 1.0))
+    stops = [(r / 255.0, g / 255.0, b / 255.0, 1.0) for r, g, b in colours.stops("inferno").tolist()]
+    draw_ramp(left, bottom, width, height, stops)
     draw_text(["0"], left, bottom - 2.0, size=11.0)
     draw_text([f"{scale:g} and more"], float(left + width), bottom - 2.0, size=11.0, right=True)
 

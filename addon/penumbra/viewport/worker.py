@@ -7,12 +7,17 @@ Knows neither `gpu` nor Blender's data.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from .. import errors, native, picture
 from ..progress import ToldProgress
+
+PATIENCE_S = 0.25
+"""While a view turns, a newer question comes with every drawing. A first answer to an older one is made all the same if
+it takes no longer than this: else nothing would be seen before the hand rests."""
 
 _LONGEST_WAIT_S = 2.0  # for the thread at the end
 
@@ -57,6 +62,8 @@ class Worker(Generic[A]):
         self._version = 0
         self._closed = False
         self._done: Question[A] | None = None
+        self._began = 0.0  # with the question that is worked on
+        self._answered = False  # it has a first answer
         self._thread: threading.Thread | None = None
 
     # ------------------------------------------------------------------------------------ called by Blender's thread
@@ -121,6 +128,7 @@ class Worker(Generic[A]):
                 if self._closed:
                     return
                 question = self._question
+                self._began, self._answered = time.monotonic(), False
             assert question is not None
             try:
                 if renderer is None or device != question.device:
@@ -137,16 +145,21 @@ class Worker(Generic[A]):
 
     def stop_if_old(self, question: Question[A]) -> None:
         with self._changed:
-            if self._closed or self._question is not question:
-                raise picture.StoppedError
+            self._check(question)
 
     def show(self, question: Question[A], answer: A) -> None:
         with self._changed:
-            if self._closed or self._question is not question:
-                raise picture.StoppedError
+            self._check(question)
             self._shown = answer
+            self._answered = True
             self._problem = ""
             self._version += 1
+
+    def _check(self, question: Question[A]) -> None:
+        """@raises picture.StoppedError"""
+        waiting = not self._answered and time.monotonic() - self._began < PATIENCE_S
+        if self._closed or (self._question is not question and not waiting):
+            raise picture.StoppedError
 
     def _tell(self, problem: str) -> None:
         with self._changed:

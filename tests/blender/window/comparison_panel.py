@@ -5,7 +5,7 @@ Arguments: the extension zip.
 
 from __future__ import annotations
 
-import importlib
+import os
 import sys
 import time
 from pathlib import Path
@@ -15,61 +15,51 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from in_window import NOT_YET, play, take_picture
+from in_window import (
+    NOT_YET,
+    OUT,
+    box_of,
+    choose,
+    comparison_over,
+    install_from,
+    module,
+    open_example,
+    operate,
+    picture,
+    play,
+    region_of,
+    show_tab,
+    take_picture,
+    viewport_of,
+    window,
+)
 
-PACKAGE = "bl_ext.user_default.penumbra"
 TECHNIQUES = ("shadow_map", "pcf", "smoothies", "plateaus", "light_samples", "ray_traced", "masked_rays")
 
 
-def module(name: str) -> Any:
-    return importlib.import_module(f"{PACKAGE}.{name}")
+BROWSER = Path("/tmp/browser")  # a real program, as a user's browser is one
 
 
-def window() -> Any:
-    return bpy.context.window_manager.windows[0]
-
-
-def viewport() -> tuple[Any, Any]:
-    area = next(area for area in window().screen.areas if area.type == "VIEW_3D")
-    return area, next(region for region in area.regions if region.type == "WINDOW")
-
-
-def operate(call: Any, *given: Any, **named: Any) -> Any:
-    """As a click in the viewport does."""
-    area, region = viewport()
-    with bpy.context.temp_override(window=window(), area=area, region=region):
-        return call(*given, **named)
-
-
-def install(answer: dict[str, Any]) -> None:
-    bpy.ops.extensions.package_install_files(filepath=sys.argv[-1], repo="user_default", enable_on_install=True)
-    answer["core_loaded"] = "penumbra_core" in sys.modules
+def have_browser(answer: dict[str, Any]) -> None:
+    BROWSER.write_text(f"#!/bin/sh\nprintf '%s\\n' \"$@\" >{OUT}/opened.txt\n")
+    BROWSER.chmod(0o755)
+    os.environ["BROWSER"] = str(BROWSER)
     answer["techniques_there"] = len(module("catalogue").techniques())
-
-
-def open_scene(answer: dict[str, Any]) -> None:
-    bpy.ops.wm.open_mainfile(filepath="/penumbra/examples/courtyard.blend")
 
 
 def arrange(answer: dict[str, Any]) -> None:
     """The sidebar with our tab in a tall viewport."""
     scene = bpy.context.scene
     kept = scene.penumbra_comparison
-    for name in dir(kept.techniques):
-        if name in {info["id"] for info in module("catalogue").techniques()}:
-            setattr(kept.techniques, name, name in TECHNIQUES)
+    choose(*TECHNIQUES)
     kept.scale, kept.timing_seconds, scene.penumbra.reference_error = 20, 0.2, 0.01
-    area, _ = viewport()
-    area.spaces.active.show_region_ui = True
-    area.spaces.active.shading.type = "SOLID"
+    _, space, _ = viewport_of()
+    space.show_region_ui = True
+    space.shading.type = "SOLID"
 
 
 def choose_tab(answer: dict[str, Any]) -> None:
-    area, _ = viewport()
-    sidebar = next(region for region in area.regions if region.type == "UI")
-    sidebar.active_panel_category = "Penumbra"
-    sidebar.tag_redraw()
-    answer["sidebar_px"] = [sidebar.width, sidebar.height]
+    show_tab(viewport_of()[0])
 
 
 def unfold(answer: dict[str, Any]) -> None:
@@ -82,6 +72,7 @@ def unfold(answer: dict[str, Any]) -> None:
 
 
 def before(answer: dict[str, Any]) -> None:
+    answer["sidebar_before"] = box_of(region_of(viewport_of()[0], "UI"))
     take_picture("before.png")
     started = time.monotonic()
     answer["started"] = sorted(operate(bpy.ops.penumbra.compare, "INVOKE_DEFAULT"))
@@ -103,15 +94,31 @@ def midway(answer: dict[str, Any]) -> object:
     return NOT_YET if current is not None and current.progress[0] < 0.4 else None
 
 
-def wait(answer: dict[str, Any]) -> object:
-    return NOT_YET if module("comparison.running").current() is not None else None
-
-
 def results(answer: dict[str, Any]) -> None:
     kept = bpy.context.scene.penumbra_comparison
     answer["problem"] = module("comparison.running").problem()
     answer["rows"] = [[row.technique, row.status, row.error, row.time_ms] for row in kept.rows]
     take_picture("results.png")
+
+
+def use_cheapest(answer: dict[str, Any]) -> None:
+    """Within the middle one of the errors."""
+    scene = bpy.context.scene
+    kept = scene.penumbra_comparison
+    kept.target = sorted(row.error for row in kept.rows)[len(kept.rows) // 2] + 1e-4
+    answer["target"] = kept.target
+    answer["used"] = sorted(operate(bpy.ops.penumbra.use_cheapest))
+    answer["technique_used"] = scene.penumbra.technique
+
+
+def open_report(answer: dict[str, Any]) -> None:
+    module("preferences").preferences().reports = str(OUT)
+    answer["report"] = sorted(operate(bpy.ops.penumbra.open_report))
+
+
+def report_opened(answer: dict[str, Any]) -> object:
+    """The browser is a process of its own."""
+    return None if (OUT / "opened.txt").is_file() else NOT_YET
 
 
 def artist_works(answer: dict[str, Any]) -> None:
@@ -127,33 +134,30 @@ def after_undo(answer: dict[str, Any]) -> None:
 
 
 def editor(answer: dict[str, Any]) -> None:
-    area, _ = viewport()
-    with bpy.context.temp_override(window=window(), area=area):
+    with bpy.context.temp_override(window=window(), area=viewport_of()[0]):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.45)
     other = min((a for a in window().screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
     other.type = "IMAGE_EDITOR"
 
 
 def show(answer: dict[str, Any]) -> None:
-    answer["shown"] = sorted(operate(bpy.ops.penumbra.show_result, row=3, what="ERROR"))
+    rows = [row.technique for row in bpy.context.scene.penumbra_comparison.rows]
+    answer["shown"] = sorted(operate(bpy.ops.penumbra.show_result, row=rows.index("plateaus"), what="ERROR"))
     area = next(area for area in window().screen.areas if area.type == "IMAGE_EDITOR")
     answer["shown_image"] = area.spaces.active.image.name
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    with bpy.context.temp_override(window=window(), area=area, region=region):
+    with bpy.context.temp_override(window=window(), area=area, region=region_of(area)):
         bpy.ops.image.view_all(fit_view=True)
+    answer["image_editor"] = box_of(region_of(area))
+    answer["sidebar"] = box_of(region_of(viewport_of()[0], "UI"))
 
 
 def scroll(answer: dict[str, Any]) -> None:
-    area = next(area for area in window().screen.areas if area.type == "VIEW_3D")
-    sidebar = next(region for region in area.regions if region.type == "UI")
+    area = viewport_of()[0]
+    sidebar = region_of(area, "UI")
     with bpy.context.temp_override(window=window(), area=area, region=sidebar):
         for _ in range(7):
             bpy.ops.view2d.scroll_down(deltay=80)
     sidebar.tag_redraw()
-
-
-def picture(name: str) -> Any:
-    return lambda answer: take_picture(f"{name}.png")
 
 
 def make_properties(answer: dict[str, Any]) -> None:
@@ -172,13 +176,14 @@ def click(answer: dict[str, Any]) -> None:
     answer["active_before"] = kept.active_row
     row = next(row for row in kept.rows if row.technique == "smoothies")
     code = module("report.palette").colour(row.colour).lstrip("#")
+    sidebar = region_of(viewport_of()[0], "UI")
     screen = bpy.data.images.load("/out/scrolled_1.png")
     pixels = np.empty(screen.size[0] * screen.size[1] * 4, np.float32)
     screen.pixels.foreach_get(pixels)
-    left = pixels.reshape(screen.size[1], screen.size[0], 4)[:, 195:240, :3]
+    left = pixels.reshape(screen.size[1], screen.size[0], 4)[:, sidebar.x + 5 : sidebar.x + 50, :3]
     bpy.data.images.remove(screen)
     found = np.abs(left - np.array(list(bytes.fromhex(code))) / 255).max(axis=-1) < 0.05
-    x, y = 260, round(float(np.nonzero(found)[0].mean()))
+    x, y = sidebar.x + 70, round(float(np.nonzero(found)[0].mean()))
     window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
     window().event_simulate(type="LEFTMOUSE", value="PRESS", x=x, y=y)
     window().event_simulate(type="LEFTMOUSE", value="RELEASE", x=x, y=y)
@@ -201,7 +206,7 @@ def compare_this_view(answer: dict[str, Any]) -> None:
 def view_results(answer: dict[str, Any]) -> None:
     kept = bpy.context.scene.penumbra_comparison
     answer["view_heading"], answer["view_rows"] = kept.heading, [row.status for row in kept.rows]
-    _, region = viewport()
+    region = region_of(viewport_of()[0])
     answer["view_size"] = [round(region.width * 0.15), round(region.height * 0.15)]
 
 
@@ -223,8 +228,9 @@ SCROLLED = [step for number in range(1, 9) for step in (scroll, picture(f"scroll
 
 if __name__ == "__main__":
     play(
-        install, unfold, open_scene, arrange, choose_tab, before, running, midway, picture("midway"), wait, results,
-        artist_works, after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED[:2], click, clicked,
-        *SCROLLED[2:], make_properties, properties, picture("properties"), compare_this_view, wait, view_results,
-        show_alone, leave_while_comparing,
+        install_from(sys.argv[-1]), have_browser, unfold, open_example("courtyard"), arrange, choose_tab, before,
+        running, midway, picture("midway"), comparison_over, results, use_cheapest, picture("cheapest"), open_report,
+        report_opened, artist_works, after_undo, editor, choose_tab, show, picture("shown"), *SCROLLED[:2], click,
+        clicked, *SCROLLED[2:], make_properties, properties, picture("properties"), compare_this_view, comparison_over,
+        view_results, show_alone, leave_while_comparing,
     )  # fmt: skip

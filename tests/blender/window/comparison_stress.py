@@ -1,11 +1,10 @@
 """Inside Blender's window: an artist who does everything at once while a comparison runs.
 
-Arguments: the extension zip.
+Arguments: the extension zip, or `control`: the same Blender doing the same without the add-on.
 """
 
 from __future__ import annotations
 
-import gc
 import math
 import sys
 import threading
@@ -16,17 +15,26 @@ import bpy
 from mathutils import Quaternion
 
 sys.path.insert(0, str(Path(__file__).parent))
-from comparison_panel import install, module, operate, viewport, window
-from in_window import NOT_YET, play
+from in_window import (
+    Step,
+    choose,
+    comparison_over,
+    install_from,
+    module,
+    open_example,
+    operate,
+    play,
+    resident_mb,
+    show_tab,
+    viewport_of,
+)
 
+CONTROL = sys.argv[-1] == "control"
+OURS = "BLENDER_WORKBENCH" if CONTROL else "PENUMBRA"
 SCENES = ("courtyard", "desk", "plaza")
-ROUNDS = 4
-VIEWS = 50
-
-
-def resident_mb() -> float:
-    gc.collect()
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20
+ROUNDS = 9  # each scene three times
+VIEWS = 24
+CHANGES = 2
 
 
 def running() -> bool:
@@ -38,26 +46,35 @@ def redraw(what: str = "DRAW_WIN_SWAP") -> None:
     operate(bpy.ops.wm.redraw_timer, type=what, iterations=1)
 
 
-def open_file(number: int) -> Any:
-    def step(answer: dict[str, Any]) -> None:
-        bpy.ops.wm.open_mainfile(filepath=f"/penumbra/examples/{SCENES[number % len(SCENES)]}.blend", load_ui=False)
+def measured(step: Step) -> Step:
+    """Notes how much memory there is after it."""
+
+    def play_and_measure(answer: dict[str, Any]) -> object:
+        outcome = step(answer)
+        answer.setdefault("after", []).append([step.__name__, round(resident_mb())])
+        return outcome
+
+    return play_and_measure
+
+
+def open_file(number: int) -> Step:
+    step = open_example(SCENES[number % len(SCENES)])
+
+    def opened(answer: dict[str, Any]) -> None:
+        step(answer)
         answer.setdefault("threads", []).append(
             sum(thread.name == "Penumbra comparison" for thread in threading.enumerate())
         )
 
-    return step
-
-
-def choose(*techniques: str) -> None:
-    chosen = bpy.context.scene.penumbra_comparison.techniques
-    for info in module("catalogue").techniques():
-        setattr(chosen, info["id"], info["id"] in techniques)
+    return opened
 
 
 def compare(answer: dict[str, Any]) -> None:
     """More than a round takes."""
     scene = bpy.context.scene
-    scene.render.engine = "PENUMBRA"
+    scene.render.engine = OURS
+    if CONTROL:
+        return
     scene.penumbra_comparison.scale, scene.penumbra.reference_error = 100, 0.002
     scene.penumbra.pixel_samples = 1
     choose("shadow_map", "ray_traced")
@@ -66,10 +83,9 @@ def compare(answer: dict[str, Any]) -> None:
 
 
 def orbit(answer: dict[str, Any]) -> None:
-    area, _ = viewport()
-    area.spaces.active.show_region_ui = True
-    area.spaces.active.shading.type = "RENDERED"
-    view = area.spaces.active.region_3d
+    _, space, view = viewport_of()
+    space.show_region_ui = True
+    space.shading.type = "RENDERED"
     view.view_perspective = "PERSP"
     for number in range(VIEWS):
         view.view_rotation = Quaternion((0, 0, 1), number * math.tau / VIEWS) @ Quaternion((1, 0, 0), 1.1)
@@ -77,8 +93,10 @@ def orbit(answer: dict[str, Any]) -> None:
     answer["views"] = answer.get("views", 0) + VIEWS
 
 
-def change(answer: dict[str, Any]) -> None:
-    for number in range(3):
+def add_undo_delete(answer: dict[str, Any]) -> None:
+    if not CONTROL:
+        show_tab(viewport_of()[0])
+    for number in range(CHANGES):
         operate(bpy.ops.mesh.primitive_monkey_add, "EXEC_DEFAULT", True, location=(number, 0, 1))
         operate(bpy.ops.object.light_add, "EXEC_DEFAULT", True, type="AREA", location=(number, 0, 4))
         redraw()
@@ -86,10 +104,14 @@ def change(answer: dict[str, Any]) -> None:
         redraw()
         operate(bpy.ops.object.delete, "EXEC_DEFAULT", True)
         redraw()
-    for engine in ("BLENDER_WORKBENCH", "CYCLES", "PENUMBRA"):
+
+
+def switch_engines(answer: dict[str, Any]) -> None:
+    for engine in ("BLENDER_WORKBENCH", "CYCLES", OURS):
         bpy.context.scene.render.engine = engine
         redraw()
-    answer.setdefault("went_on", []).append(running())
+    if not CONTROL:
+        answer.setdefault("went_on", []).append(running())
 
 
 def measure(answer: dict[str, Any]) -> None:
@@ -103,15 +125,17 @@ def compare_small(answer: dict[str, Any]) -> None:
     operate(bpy.ops.penumbra.compare, "EXEC_DEFAULT")
 
 
-def wait(answer: dict[str, Any]) -> object:
-    return NOT_YET if module("comparison.running").current() is not None else None
-
-
 def end(answer: dict[str, Any]) -> None:
     answer["rows"] = [row.status for row in bpy.context.scene.penumbra_comparison.rows]
-    answer["size"] = [window().width, window().height]
 
 
 if __name__ == "__main__":
-    rounds = [step for number in range(ROUNDS) for step in (open_file(number), compare, orbit, change, measure)]
-    play(install, *rounds, open_file(0), compare_small, wait, end, pause_s=0.5)
+    rounds = [
+        step
+        for number in range(ROUNDS)
+        for step in (*map(measured, (open_file(number), compare, orbit, add_undo_delete, switch_engines)), measure)
+    ]
+    if CONTROL:
+        play(*rounds)
+    else:
+        play(install_from(sys.argv[-1]), *rounds, open_file(0), compare_small, comparison_over, end)

@@ -12,24 +12,12 @@ from typing import Any
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
-from in_window import play, take_picture
-
-
-def window() -> Any:
-    return bpy.context.window_manager.windows[0]
+from in_window import install_from, open_example, picture, play, region_of, window
 
 
 def editor() -> tuple[Any, Any]:
     area = max(window().screen.areas, key=lambda area: area.width * area.height)
-    return area, next(region for region in area.regions if region.type == "WINDOW")
-
-
-def install(answer: dict[str, Any]) -> None:
-    bpy.ops.extensions.package_install_files(filepath=sys.argv[-1], repo="user_default", enable_on_install=True)
-
-
-def open_scene(answer: dict[str, Any]) -> None:
-    bpy.ops.wm.open_mainfile(filepath="/penumbra/examples/courtyard.blend")
+    return area, region_of(area)
 
 
 def arrange(answer: dict[str, Any]) -> None:
@@ -51,14 +39,9 @@ def add(answer: dict[str, Any]) -> None:
 
 def fit(answer: dict[str, Any]) -> None:
     area, region = editor()
-    sidebar = next(region for region in area.regions if region.type == "UI")
-    sidebar.active_panel_category = "Penumbra"
+    region_of(area, "UI").active_panel_category = "Penumbra"
     with bpy.context.temp_override(window=window(), area=area, region=region):
         bpy.ops.node.view_all()
-
-
-def picture(answer: dict[str, Any]) -> None:
-    take_picture("nodes.png")
 
 
 def inside(answer: dict[str, Any]) -> None:
@@ -70,10 +53,6 @@ def inside(answer: dict[str, Any]) -> None:
     tree.nodes.active = node
     with bpy.context.temp_override(window=window(), area=area, region=region):
         bpy.ops.node.group_edit()
-
-
-def picture_inside(answer: dict[str, Any]) -> None:
-    take_picture("inside.png")
 
 
 def render(answer: dict[str, Any]) -> None:
@@ -88,4 +67,7 @@ def render(answer: dict[str, Any]) -> None:
         bpy.ops.render.render(write_still=True)
 
 
-play(install, open_scene, arrange, add, fit, fit, picture, inside, fit, picture_inside, render)
+play(
+    install_from(sys.argv[-1]), open_example("courtyard"), arrange, add, fit, fit, picture("nodes"), inside, fit,
+    picture("inside"), render,
+)  # fmt: skip

@@ -1,9 +1,13 @@
-"""Blender 4.3 with a window (tools/blender_window). On demand only: PENUMBRA_WINDOW_TESTS=1, never in CI."""
+"""Blender 4.3 with a window (tools/blender_window). On demand only: PENUMBRA_WINDOW_TESTS=1, never in CI.
+
+PENUMBRA_GUIDE=1 puts the pictures of docs/blender.md, which the tests make anyway, into docs/images.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -12,10 +16,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[3]
 TOOL = ROOT / "tools" / "blender_window"
 KEPT = ROOT / "out" / "window"  # pictures and answers of the last run
+# Blender 4.3 in Debian 13 takes the wheel that was built there.
+WHEELHOUSES = (ROOT / "wheelhouse" / "trixie", ROOT / "wheelhouse")
+TIMEOUT_S = "1500"  # of a script; on an idle machine the longest takes a tenth of this
+LARGEST_PICTURE = 200_000  # bytes, in the guide
 
 _MANIFEST = """schema_version = "1.0.0"
 id = "penumbra_trap"
@@ -41,15 +50,15 @@ def window() -> Callable[..., dict[str, Any]]:
 
     def run(script: str, name: str, *files: Path) -> dict[str, Any]:
         folder = KEPT / name
-        folder.mkdir(parents=True, exist_ok=True)
-        for old in folder.iterdir():
-            old.unlink()
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
         for file in files:
             (folder / file.name).write_bytes(file.read_bytes())
         ran = subprocess.run(
             [TOOL, "run", Path(__file__).parent / script, folder, *(f"/out/{file.name}" for file in files)],
             capture_output=True,
             text=True,
+            env={"PENUMBRA_WINDOW_TIMEOUT": TIMEOUT_S} | os.environ,
         )
         (folder / "console.txt").write_text(ran.stdout + ran.stderr)
         assert (folder / "answer.json").is_file(), ran.stdout + ran.stderr
@@ -80,12 +89,46 @@ def extension(tmp_path: Path) -> Callable[[str], Path]:
     return make
 
 
+def _pack(path: Path, *options: str) -> Path:
+    subprocess.run([sys.executable, ROOT / "tools" / "build_extension", "--out", path, *options], check=True)
+    return path
+
+
+def _need_core(python: str) -> None:
+    tag = f"cp{python.replace('.', '')}"
+    if not any(list(folder.glob(f"penumbra_core-*-{tag}-*.whl")) for folder in WHEELHOUSES):
+        pytest.skip(f"no core wheel for CPython {python}; run: tools/blender_window test")
+
+
 @pytest.fixture(scope="session")
 def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The extension zip with the core's wheel for Blender 4.3's Python; without the report's libraries, for speed."""
-    if not list((ROOT / "wheelhouse" / "trixie").glob("penumbra_core-*-cp313-*.whl")):
-        pytest.skip("no core wheel for CPython 3.13; run: tools/blender_window test")
-    path = tmp_path_factory.mktemp("extension") / "penumbra.zip"
-    tool = [sys.executable, str(ROOT / "tools" / "build_extension")]
-    subprocess.run([*tool, "--python", "3.13", "--without-report", "--out", str(path)], check=True)
-    return path
+    _need_core("3.13")
+    return _pack(tmp_path_factory.mktemp("extension") / "penumbra.zip", "--python", "3.13", "--without-report")
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The extension zip as users get it: wheels for both Pythons, the report's libraries among them."""
+    _need_core("3.11")
+    _need_core("3.13")
+    return _pack(tmp_path_factory.mktemp("whole") / "penumbra.zip")
+
+
+@pytest.fixture(scope="session")
+def guide() -> Callable[..., Image.Image]:
+    """Makes a picture of the user guide from a part of a picture of the screen; @returns it."""
+
+    def make(picture: Path, name: str, box: list[int] | None = None) -> Image.Image:
+        image = Image.open(picture).convert("RGB")
+        if box is not None:
+            left, top, width, height = box
+            image = image.crop((left, top, left + width, top + height))
+        folder = ROOT / "docs" / "images" if os.environ.get("PENUMBRA_GUIDE") == "1" else KEPT / "guide"
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"blender-{name}.png"
+        image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+        assert path.stat().st_size < LARGEST_PICTURE, path
+        return image
+
+    return make

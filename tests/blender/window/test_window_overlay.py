@@ -63,9 +63,10 @@ def test_the_error_is_in_false_colours_and_the_truth_beside_it(answer: dict[str,
 
 def test_the_figures_under_the_cursor_are_those_of_the_pixel(answer: dict[str, Any]) -> None:
     figures = answer["figures"]
-    assert answer["cursor"] is not None
-    if figures:
-        assert figures["A - truth"] == pytest.approx(figures["A"] - figures["truth"])
+    _, _, width, height = answer["region"]
+    assert answer["cursor"] == pytest.approx([width // 3, height // 3], abs=1)
+    assert 0 <= figures["truth"] <= 1
+    assert figures["A - truth"] == pytest.approx(figures["A"] - figures["truth"])
 
 
 def test_switching_off_loading_and_disabling_leave_nothing(answer: dict[str, Any]) -> None:

@@ -6,7 +6,6 @@ Arguments: the extension zip, a .blend file.
 from __future__ import annotations
 
 import math
-import resource
 import sys
 import time
 from pathlib import Path
@@ -16,15 +15,20 @@ import bpy
 from mathutils import Euler
 
 sys.path.insert(0, str(Path(__file__).parent))
-from in_window import NOT_YET, play, take_picture, viewport_of
+from in_window import (
+    PACKAGE,
+    box_of,
+    install_from,
+    module,
+    play,
+    region_of,
+    resident_mb,
+    take_picture,
+    viewport_of,
+    viewports_ready,
+)
 
 ZIP, BLEND = sys.argv[-2:]
-
-
-def install(answer: dict[str, Any]) -> None:
-    bpy.ops.extensions.package_install_files(filepath=ZIP, repo="user_default", enable_on_install=True)
-    answer["enabled"] = "bl_ext.user_default.penumbra" in bpy.context.preferences.addons
-    answer["core_loaded_by_enabling"] = "penumbra_core" in sys.modules
 
 
 def furnish(answer: dict[str, Any]) -> None:
@@ -59,29 +63,12 @@ def furnish(answer: dict[str, Any]) -> None:
     space.shading.type = "RENDERED"
 
 
-def region_px() -> Any:
-    area, _, _ = viewport_of()
-    return next(region for region in area.regions if region.type == "WINDOW")
-
-
 def where(answer: dict[str, Any], name: str) -> None:
     """Picture of the screen, and the pixels of the viewport's quarters in it (from the top left)."""
-    region = region_px()
-    height = bpy.context.window_manager.windows[0].height
-    middle = height - (region.y + region.height // 2)
-    answer[name] = {
-        "left": [region.x + region.width // 4, middle],
-        "right": [region.x + 3 * region.width // 4, middle],
-    }
+    left, top, width, height = box_of(region_of(viewport_of()[0]))
+    middle = top + height // 2
+    answer[name] = {"left": [left + width // 4, middle], "right": [left + 3 * width // 4, middle]}
     take_picture(f"{name}.png")
-
-
-def ready(answer: dict[str, Any]) -> object:
-    """All that was asked is answered; the next step comes after it is drawn."""
-    from bl_ext.user_default.penumbra.viewport.engine_view import EngineView
-
-    views = list(EngineView.alive)
-    return None if views and not any(view.busy for view in views) else NOT_YET
 
 
 def top(answer: dict[str, Any]) -> None:
@@ -126,7 +113,7 @@ def dazzled(answer: dict[str, Any]) -> None:
 
 def break_it(answer: dict[str, Any]) -> None:
     bpy.data.lights["Key"].energy = 400
-    bpy.context.preferences.addons["bl_ext.user_default.penumbra"].preferences.device = "nobody's device"
+    bpy.context.preferences.addons[PACKAGE].preferences.device = "nobody's device"
     bpy.context.scene.penumbra.technique = "shadow_map"
 
 
@@ -135,7 +122,7 @@ def broken(answer: dict[str, Any]) -> None:
 
 
 def mend(answer: dict[str, Any]) -> None:
-    bpy.context.preferences.addons["bl_ext.user_default.penumbra"].preferences.device = ""
+    bpy.context.preferences.addons[PACKAGE].preferences.device = ""
     bpy.context.scene.penumbra.technique = "pcf"
 
 
@@ -144,23 +131,18 @@ def mended(answer: dict[str, Any]) -> None:
 
 
 def two_hundred_views(answer: dict[str, Any]) -> None:
-    from bl_ext.user_default.penumbra.viewport.engine_view import EngineView
-
-    def resident_mb() -> float:
-        return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 2**20
-
-    sizes, pictures = [], 0
-    (engine,) = EngineView.alive
+    sizes = []
+    (engine,) = module("viewport.engine_view").EngineView.alive
+    before = engine.pictures
     started = time.perf_counter()
     for step in range(200):
         viewport_of()[2].view_rotation = Euler((0.6 * math.sin(step / 9), 0, step / 20)).to_quaternion()
         bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
         if step % 20 == 0:
             sizes.append(resident_mb())
-    pictures = engine.pictures
     answer["memory_mb"] = sizes
     answer["views_s"] = time.perf_counter() - started
-    answer["pictures"] = pictures
+    answer["pictures"] = engine.pictures - before
 
 
 def open_file(answer: dict[str, Any]) -> None:
@@ -190,13 +172,13 @@ def switch_off(answer: dict[str, Any]) -> None:
 
     where(answer, "solid")
     answer["threads_in_solid"] = [t.name for t in threading.enumerate() if "Penumbra" in t.name]
-    bpy.ops.preferences.addon_disable(module="bl_ext.user_default.penumbra")
+    bpy.ops.preferences.addon_disable(module=PACKAGE)
     answer["left_behind"] = [name for name in dir(bpy.types) if "PENUMBRA" in name]
 
 
+ready = viewports_ready
 play(
-    install, furnish, ready, top, turn_round, ready, turned, soften, ready, soft, move, ready, moved,
+    install_from(ZIP), furnish, ready, top, turn_round, ready, turned, soften, ready, soft, move, ready, moved,
     dazzle, ready, dazzled, break_it, ready, broken, mend, ready, mended, two_hundred_views, open_file, in_camera,
     ready, seen_by_camera, solid_again, switch_off,
-    pause_s=1.0,
 )  # fmt: skip
