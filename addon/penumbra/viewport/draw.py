@@ -15,6 +15,20 @@ Box = tuple[int, int, int, int]  # left, bottom, width, height in pixels of the 
 Colour = tuple[float, float, float, float]
 
 
+def free_px(context: Any) -> tuple[int, int]:
+    """Left and right end of what neither sidebar nor toolbar covers, in pixels of the region."""
+    region = context.region
+    left, right = 0, int(region.width)
+    for other in context.area.regions:
+        if other.type not in ("UI", "TOOLS") or other.width <= 1:  # one pixel: hidden
+            continue
+        if other.alignment == "LEFT":
+            left = max(left, other.x + other.width - region.x)
+        elif other.alignment == "RIGHT":
+            right = min(right, other.x - region.x)
+    return left, max(right, left)
+
+
 class Texture:
     """A picture on Blender's device, sent when it changes."""
 

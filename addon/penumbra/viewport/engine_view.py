@@ -11,7 +11,7 @@ from .. import errors, picture, preferences, properties
 from ..read import view_region
 from ..sync import SceneSync
 from . import redraws
-from .draw import Texture, draw_text
+from .draw import Texture, draw_text, free_px
 from .pictures import Pictures, Shown
 from .times import Times
 from .worker import Worker
@@ -123,7 +123,7 @@ class EngineView:
                 self.pictures += 1
             self._texture.draw(seen.box)
         if problem:
-            draw_text([f"Penumbra: {problem}"], 20.0, context.region.height / 2.0, alarm=True)
+            draw_text([f"Penumbra: {problem}"], free_px(context)[0] + 20.0, context.region.height / 2.0, alarm=True)
         engine = self._engine()
         if engine is None:
             return

@@ -17,7 +17,7 @@ from .. import catalogue, colours, errors, preferences, properties
 from ..read import view_region
 from ..sync import SceneSync
 from . import redraws
-from .draw import Texture, draw_bar, draw_ramp, draw_text, scissored
+from .draw import Texture, draw_bar, draw_ramp, draw_text, free_px, scissored
 from .overlay_pictures import ERROR, ERROR_OTHER, REFERENCE, Compared, Comparisons, Wanted
 from .times import Times
 from .worker import Worker
@@ -248,9 +248,9 @@ def _draw_region(context: Any) -> None:
     if shown is not None:
         _draw_sides(context, kept, shown, seen.box)
     elif not problem:
-        draw_text(["Penumbra: the first pictures are being made ..."], 20.0, 60.0)
+        draw_text(["Penumbra: the first pictures are being made ..."], free_px(context)[0] + 20.0, 60.0)
     if problem:
-        draw_text([f"Penumbra: {problem}"], 20.0, context.region.height / 2.0, alarm=True)
+        draw_text([f"Penumbra: {problem}"], free_px(context)[0] + 20.0, context.region.height / 2.0, alarm=True)
     kept.times.draw = time.perf_counter() - started
 
 
@@ -312,12 +312,13 @@ def _draw_sides(context: Any, kept: _Region, shown: Compared, box: tuple[int, in
     draw_text([shown.titles[0]], max(12.0, line - 12.0), top, size=_TITLE_PX, right=True)
     draw_text([shown.titles[1]], line + 12.0, top, size=_TITLE_PX)
     chosen = context.window_manager.penumbra_overlay
+    left, right = free_px(context)
     if {chosen.left, chosen.right} & {ERROR, ERROR_OTHER}:
-        _draw_legend(region, chosen.error_scale)
+        _draw_legend(right, chosen.error_scale)
     lines = _figures(kept, shown, box)
     if shown.reference is None and {chosen.left, chosen.right} & {ERROR, ERROR_OTHER, REFERENCE}:
         lines.append("The truth is being traced ...")
-    draw_text([*lines, *shown.notes], 20.0, 40.0 + 1.4 * 13.0 * (len(lines) + len(shown.notes)))
+    draw_text([*lines, *shown.notes], left + 20.0, 40.0 + 1.4 * 13.0 * (len(lines) + len(shown.notes)))
 
 
 def _figures(kept: _Region, shown: Compared, box: tuple[int, int, int, int]) -> list[str]:
@@ -332,9 +333,9 @@ def _figures(kept: _Region, shown: Compared, box: tuple[int, int, int, int]) -> 
     ]
 
 
-def _draw_legend(region: Any, scale: float) -> None:
+def _draw_legend(end: int, scale: float) -> None:
     width, height = 256, 10
-    left, bottom = region.width - width - 24, 40
+    left, bottom = end - width - 24, 40
     stops = [(r / 255.0, g / 255.0, b / 255.0, 1.0) for r, g, b in colours.stops("inferno").tolist()]
     draw_ramp(left, bottom, width, height, stops)
     draw_text(["0"], left, bottom - 2.0, size=11.0)

@@ -32,8 +32,8 @@ from in_window import (
 CONTROL = sys.argv[-1] == "control"
 OURS = "BLENDER_WORKBENCH" if CONTROL else "PENUMBRA"
 SCENES = ("courtyard", "desk", "plaza")
-ROUNDS = 9  # each scene three times
-VIEWS = 24
+ROUNDS = 6  # each scene twice
+VIEWS = 34
 CHANGES = 2
 
 

@@ -28,6 +28,7 @@ from in_window import (
     play,
     resident_mb,
     take_picture,
+    threads_gone,
     viewport_of,
     viewports_ready,
     window,
@@ -149,7 +150,7 @@ def preferences(answer: dict[str, Any]) -> None:
     take_picture("preferences.png")
 
 
-each_round = (switch_on, use, viewports_ready, overlay, overlay_ready, switch_off, look)
+each_round = (switch_on, use, viewports_ready, overlay, overlay_ready, switch_off, threads_gone, look)
 play(
     before,
     *command("install", "--command", "extension", "install-file", "-r", "user_default", "--enable", ZIP),

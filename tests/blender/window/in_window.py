@@ -9,6 +9,7 @@ import importlib
 import json
 import subprocess
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -36,6 +37,7 @@ def play(*steps: Step, pause_s: float = 0.6) -> None:
     """
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.smooth_view = 0
+    bpy.context.preferences.system.viewport_aa = "OFF"  # Blender's own drawing, in software, is the slow part
     answer: dict[str, Any] = {"blender": bpy.app.version_string, "background": bpy.app.background}
     waiting = list(steps)
     since = time.monotonic()
@@ -189,6 +191,11 @@ def overlay_ready(answer: dict[str, Any]) -> object:
 
 def comparison_over(answer: dict[str, Any]) -> object:
     return NOT_YET if module("comparison.running").current() is not None else None
+
+
+def threads_gone(answer: dict[str, Any]) -> object:
+    """Closing waits two seconds for a thread, which on a busy machine may take longer to hear of it."""
+    return NOT_YET if any("Penumbra" in thread.name for thread in threading.enumerate()) else None
 
 
 def resident_mb() -> float:

@@ -23,6 +23,7 @@ from in_window import (
     region_of,
     show_tab,
     take_picture,
+    threads_gone,
     viewport_of,
     window,
 )
@@ -83,7 +84,7 @@ def point(answer: dict[str, Any]) -> None:
 
 def error(answer: dict[str, Any]) -> None:
     chosen = bpy.context.window_manager.penumbra_overlay
-    chosen.left, chosen.right = "ERROR", "REFERENCE"
+    chosen.left, chosen.right, chosen.wipe = "ERROR", "REFERENCE", 0.45
     viewport_of()[1].show_region_ui = True  # as an artist would have it who chose them
 
 
@@ -97,6 +98,8 @@ def traced(answer: dict[str, Any]) -> None:
     (kept,) = module("viewport.overlay")._state.regions.values()
     _, _, width, height = answer["region"]
     answer["cursor"] = kept.cursor
+    area = viewport_of()[0]
+    answer["free"] = region_of(area, "UI").x - region_of(area).x
     answer["figures"] = kept.worker.shown.at(kept.cursor[0] / width, kept.cursor[1] / height)
 
 
@@ -105,10 +108,7 @@ def off(answer: dict[str, Any]) -> None:
 
 
 def gone(answer: dict[str, Any]) -> None:
-    import threading
-
     take_picture("off.png")
-    answer["threads"] = [t.name for t in threading.enumerate() if "Penumbra" in t.name]
     answer["handlers"] = [
         f.__module__ for hs in (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.load_pre) for f in hs
         if "penumbra" in f.__module__
@@ -126,15 +126,12 @@ def after_load(answer: dict[str, Any]) -> None:
 
 
 def disable_while_on(answer: dict[str, Any]) -> None:
-    import threading
-
     bpy.ops.preferences.addon_disable(module=PACKAGE)
-    answer["threads_after_disable"] = [t.name for t in threading.enumerate() if "Penumbra" in t.name]
     answer["left_behind"] = [name for name in dir(bpy.types) if "PENUMBRA" in name]
 
 
 ready = overlay_ready
 play(
     install_from(ZIP), open_file, prepare, plain, switch, ready, on, drag, dragged, point, error, open_sidebar, ready,
-    traced, off, gone, load_while_on, after_load, disable_while_on,
+    traced, off, threads_gone, gone, load_while_on, after_load, disable_while_on, threads_gone,
 )  # fmt: skip

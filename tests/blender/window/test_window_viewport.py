@@ -71,5 +71,4 @@ def test_a_camera_sees_the_courtyard(answer: dict[str, Any]) -> None:
 
 
 def test_nothing_is_left_when_it_is_switched_off(answer: dict[str, Any]) -> None:
-    assert answer["threads_in_solid"] == []
     assert answer["left_behind"] == []

@@ -24,6 +24,7 @@ from in_window import (
     region_of,
     resident_mb,
     take_picture,
+    threads_gone,
     viewport_of,
     viewports_ready,
 )
@@ -168,10 +169,7 @@ def solid_again(answer: dict[str, Any]) -> None:
 
 
 def switch_off(answer: dict[str, Any]) -> None:
-    import threading
-
     where(answer, "solid")
-    answer["threads_in_solid"] = [t.name for t in threading.enumerate() if "Penumbra" in t.name]
     bpy.ops.preferences.addon_disable(module=PACKAGE)
     answer["left_behind"] = [name for name in dir(bpy.types) if "PENUMBRA" in name]
 
@@ -180,5 +178,5 @@ ready = viewports_ready
 play(
     install_from(ZIP), furnish, ready, top, turn_round, ready, turned, soften, ready, soft, move, ready, moved,
     dazzle, ready, dazzled, break_it, ready, broken, mend, ready, mended, two_hundred_views, open_file, in_camera,
-    ready, seen_by_camera, solid_again, switch_off,
+    ready, seen_by_camera, solid_again, threads_gone, switch_off,
 )  # fmt: skip
