@@ -13,11 +13,11 @@ import traceback
 from collections.abc import Sequence
 
 from . import errors, interrupts
-from .commands import asking, batch, comparing, registry, rendering, stability
+from .commands import asking, batch, changes, comparing, registry, rendering, stability
 from .commands.scene import say
 from .errors import UserError
 
-__all__ = ["asking", "batch", "comparing", "main", "rendering", "stability"]  # imported to be registered
+__all__ = ["asking", "batch", "changes", "comparing", "main", "rendering", "stability"]  # imported to be registered
 
 
 def _debugging() -> bool:

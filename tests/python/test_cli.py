@@ -169,7 +169,7 @@ def test_the_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None
     assert capsys.readouterr().out == f"penumbra {__version__}\n"
 
 
-@pytest.mark.parametrize("command", ["compare", "demo", "render", "techniques", "doctor"])
+@pytest.mark.parametrize("command", ["compare", "compare-reports", "demo", "render", "techniques", "doctor"])
 def test_every_command_explains_itself(capsys: pytest.CaptureFixture[str], command: str) -> None:
     assert cli.main([command, "--help"]) == 0
     assert command in capsys.readouterr().out
