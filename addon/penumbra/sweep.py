@@ -19,7 +19,8 @@ QUICK_STEPS = 3
 def steps(info: dict[str, Any], settings: Settings, mode: str) -> list[Settings]:
     """What each step changes of the settings as they stand; what `settings` lacks has its default. No step comes twice.
 
-    quick: three values of the technique's knob, without its dearest, and the other choices of swept choices.
+    quick: three values of the technique's knob, up to the next above the standing one, and the other choices of swept
+    choices.
     full: every value of every knob, one at a time, and then a ladder: all knobs rise together. Where one knob alone
     saturates (a fine filter on a coarse map), the ladder goes on. It has as many rungs as the longest list, less the
     last, so that the number of steps grows with the sum of the lists' lengths and not with their product.
@@ -29,7 +30,7 @@ def steps(info: dict[str, Any], settings: Settings, mode: str) -> list[Settings]
     standing = {setting["id"]: settings.get(setting["id"], setting["default"]) for setting in info["settings"]}
     knobs = [setting for setting in info["settings"] if setting["sweep"] and _matters(setting, standing)]
     if mode == "quick":
-        changes = _singles([_thinned(knob, info["knob"]) for knob in knobs], standing)
+        changes = _singles([_thinned(knob, info["knob"], standing) for knob in knobs], standing)
     else:
         changes = _singles([(str(knob["id"]), list(knob["sweep"])) for knob in knobs], standing)
         changes += _ladder([knob for knob in knobs if _rises_from(knob, standing)], standing)
@@ -56,14 +57,16 @@ def _is_choice(setting: dict[str, Any]) -> bool:
     return setting["type"] in ("choice", "bool")
 
 
-def _thinned(setting: dict[str, Any], knob: str) -> tuple[str, list[Value]]:
-    values = list(setting["sweep"])
-    if setting["id"] != knob:
-        return str(setting["id"]), values if _is_choice(setting) else []
-    if len(values) > QUICK_STEPS:
-        values.pop()  # the dearest often takes longer than all others together
-        values = [values[_nearest(i * (len(values) - 1) / (QUICK_STEPS - 1))] for i in range(QUICK_STEPS)]
-    return str(setting["id"]), values
+def _thinned(setting: dict[str, Any], knob: str, standing: Settings) -> tuple[str, list[Value]]:
+    name, values = str(setting["id"]), list(setting["sweep"])
+    if name != knob:
+        return name, values if _is_choice(setting) else []
+    if len(values) <= QUICK_STEPS:
+        return name, values
+    above = next((i for i, value in enumerate(values) if value > standing[name]), len(values))
+    # Never the dearest: it often takes longer than all others together.
+    top = min(max(above, QUICK_STEPS - 1), len(values) - 2)
+    return name, [values[_nearest(i * top / (QUICK_STEPS - 1))] for i in range(QUICK_STEPS)]
 
 
 def _singles(knobs: list[tuple[str, list[Value]]], standing: Settings) -> list[Settings]:

@@ -129,9 +129,23 @@ def test_one_bad_scene_of_two_is_named_and_the_other_delivered(penumbra: Run, wa
 
 def test_a_sweep_gives_further_records(penumbra: Run, wall_blend: Path, tmp_path: Path) -> None:
     arguments = ["--techniques", "ray_traced", "--lights", "Key", "--size", "80x48", "--sweep", "quick", *FAST]
-    assert penumbra("compare", wall_blend, "--out", tmp_path / "out", *arguments).returncode == 0
+    arguments += ["--target-rmse", "0.5", "--timing-seconds", "0.2"]
+    told = penumbra("compare", wall_blend, "--out", tmp_path / "out", *arguments)
+    assert told.returncode == 0
     check_files(tmp_path / "out")
-    records = report_of(tmp_path / "out")["scenes"][0]["lights"][0]["records"]
+    light = report_of(tmp_path / "out")["scenes"][0]["lights"][0]
+    # Whichever was the cheapest: one ray is within 0.5.
+    assert f"  {light['pick']['sentence']}\n" in told.stdout
+    assert f"  use: {' '.join(light['pick']['arguments'])}\n" in told.stdout
+    assert light["pick"]["arguments"][:2] == ["--techniques", "ray_traced"]
+    assert [target["error"] for target in light["targets"]] == [0.5, 0.05, 0.02, 0.01, 0.005]
+    assert light["targets"][0]["reaches"][0]["state"] == "at_most"
+    records = light["records"]
+    assert all(isinstance(record["time_ms"]["dynamic"]["tight"], bool) for record in records)
+    assert all(record["headline_error"] > 0 for record in records)
+    again = penumbra("compare-reports", tmp_path / "out", tmp_path / "out", "--fail-slower", "1", "--fail-missing")
+    assert again.returncode == 0
+    assert f"{len(records)} records in both reports, 0 changed." in again.stdout
     by_rays = sorted((record["settings"]["rays"], record["error"]["area"]["penumbra_rmse"]) for record in records)
     assert len(by_rays) >= 3
     assert [error for _, error in by_rays] == sorted((error for _, error in by_rays), reverse=True)

@@ -28,10 +28,12 @@ def test_without_a_sweep_there_is_no_step() -> None:
     assert sweep.steps(technique("samples", MAP, SAMPLES), {}, "off") == []
 
 
-def test_a_quick_sweep_turns_the_knob_to_three_values_without_the_dearest() -> None:
-    info = technique("rays", setting("rays", 16, [1, 4, 16, 64, 256]), MAP)
+def test_a_quick_sweep_turns_the_knob_to_three_values_and_never_the_dearest() -> None:
+    info = technique("rays", setting("rays", 16, [1, 4, 16, 64, 256, 1024]), MAP)
     assert sweep.steps(info, {}, "quick") == [{"rays": 1}, {"rays": 64}]  # the middle of the three stands
-    assert sweep.steps(info, {"rays": 9}, "quick") == [{"rays": 1}, {"rays": 16}, {"rays": 64}]
+    assert sweep.steps(info, {"rays": 9}, "quick") == [{"rays": 1}, {"rays": 4}, {"rays": 16}]
+    assert sweep.steps(info, {"rays": 5000}, "quick") == [{"rays": 1}, {"rays": 16}, {"rays": 256}]
+    assert sweep.steps(info, {"rays": 1}, "quick") == [{"rays": 4}, {"rays": 16}]
 
 
 def test_a_quick_sweep_tries_the_other_choices_too() -> None:

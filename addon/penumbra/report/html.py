@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import colours, verdict
 from ..files import slug
-from ..records import PART_FIELDS, Comparison, LightResult, Record, settings_text
+from ..records import PART_FIELDS, Comparison, LightResult, Reach, Record, settings_text
 from . import palette
 from .pictures import EmbeddedLight, EmbeddedScene
 
@@ -73,6 +73,7 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
         part_fields=PART_FIELDS,
         part_names=PART_NAMES,
         budget_name=verdict.error_name,
+        reach_table=_reach_table,
     )
     return text
 
@@ -85,6 +86,24 @@ def _together(
         return None
     data.append(_light_data(key, (0, 0), light, EmbeddedLight(), numbers))
     return {"key": key, "light": light}
+
+
+def _reach_table(light: LightResult) -> dict[str, Any]:
+    """A row per technique with what it says of each target, who gets furthest first; and who reaches none."""
+    by_name: dict[str, list[Reach]] = {}
+    for target in light.targets:
+        for reach in target.reaches:
+            by_name.setdefault(reach.technique, []).append(reach)
+
+    def rank(row: list[Reach]) -> tuple[int, float]:
+        times = [reach.time_ms for reach in row if reach.time_ms is not None]
+        return -len(times), times[-1] if times else row[0].closest or 0.0
+
+    rows = sorted(by_name.values(), key=rank)
+    return {
+        "rows": [row for row in rows if row[0].time_ms is not None],
+        "never": [row[0] for row in rows if row[0].time_ms is None],
+    }
 
 
 def _cards(light: LightResult) -> list[dict[str, Any]]:
