@@ -21,7 +21,7 @@ from .read import lights, materials, placing
 from .read.cameras import Frame, read_frame, read_lens
 from .read.errors import BridgeError
 from .read.meshes import MeshArrays, read_mesh
-from .read.notes import Notes
+from .read.notes import Notes, kept
 from .read.transforms import DoubleArray, is_singular, matrix_of, unit
 
 __all__ = ["NOTES_KEY", "BridgeError", "SceneExport", "read_scene"]
@@ -178,8 +178,8 @@ class Reader:
         self.known_switches: dict[int, tuple[bool, bool, bool, bool]] = {}
 
     def read(self, camera: str | None, size: tuple[int, int] | None) -> SceneExport:
-        for text in self.blender_scene.get(NOTES_KEY, ()):
-            self.notes.add(str(text))
+        for text in kept(self.blender_scene.get(NOTES_KEY)):
+            self.notes.add(text)
         frame = read_frame(self.blender_scene, size)
         for instance in self.depsgraph.object_instances:
             self._instance(instance)

@@ -16,6 +16,9 @@ INTERRUPTED = 130
 class UserError(Exception):
     """Bad usage or bad input: one sentence, no traceback, exit code 2."""
 
+    def __init__(self, sentence: str) -> None:
+        super().__init__(printable(sentence))
+
 
 def unknown(what: str, given: str, choices: Iterable[str]) -> UserError:
     """ "unknown technique "pfc"; did you mean pcf? There are: ..." """
@@ -24,6 +27,11 @@ def unknown(what: str, given: str, choices: Iterable[str]) -> UserError:
     hint = f"did you mean {close[0]}? " if close else ""
     listed = ", ".join(names) if names else "none"
     return UserError(f'unknown {what} "{given}"; {hint}choose from: {listed}')
+
+
+def printable(text: str) -> str:
+    """What is quoted may hold line ends, escape sequences and halves of characters; a sentence stays one line."""
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in text)
 
 
 def sentence_of(error: BaseException) -> str:

@@ -17,6 +17,7 @@ import os
 import re
 import sys
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
@@ -245,7 +246,7 @@ def blend_version(file: Path) -> tuple[int, int] | None:
     with open(file, "rb") as stream:
         head = stream.read(32)
     if head.startswith(_GZIP_MAGIC):
-        with contextlib.suppress(OSError, EOFError), gzip.open(file, "rb") as packed:
+        with contextlib.suppress(OSError, EOFError, zlib.error), gzip.open(file, "rb") as packed:
             head = packed.read(32)
     elif head.startswith(_ZSTD_MAGIC):
         with contextlib.suppress(Exception):

@@ -19,6 +19,17 @@ using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
 [[nodiscard]] std::string shape_text(const py::array& array);
 
+/// An array whose values are what the caller wrote: numpy would wrap a triangle index of -1 or 2^32 round to another
+/// one, cut 1.5 to 1, drop the imaginary part and read texts as numbers.
+template <class T>
+struct Faithful {
+    Array<T> values;
+};
+
+/// @throws InvalidScene for other than numbers that T can hold; an empty array may be of any kind
+template <class T>
+[[nodiscard]] Array<T> faithful(const py::array& given);
+
 /// Copies an (n, Width) array into a vector of GLM vectors with one memcpy.
 /// @throws InvalidScene naming `what` and the shape found.
 template <class Vector, class T, int Width>
@@ -43,8 +54,34 @@ py::array_t<T> array_from(std::vector<U>&& values, std::vector<py::ssize_t> shap
     return py::array_t<T>(std::move(shape), reinterpret_cast<const T*>(owned->data()), owner);
 }
 
+template <class Vector, class T, int Width>
+std::vector<Vector> vectors_from(const Faithful<T>& array, const char* what) {
+    return vectors_from<Vector, T, Width>(array.values, what);
+}
+
 [[nodiscard]] glm::dmat4 matrix_from(const Array<double>& array, const char* what);
 [[nodiscard]] py::array_t<double> matrix_to(const glm::dmat4& matrix);
 [[nodiscard]] glm::dvec3 dvec3_from(const std::vector<double>& values, const char* what);
 
 }  // namespace penumbra::bindings
+
+namespace pybind11::detail {
+
+template <class T>
+struct type_caster<penumbra::bindings::Faithful<T>> {
+    PYBIND11_TYPE_CASTER(penumbra::bindings::Faithful<T>, type_caster<penumbra::bindings::Array<T>>::name);
+
+    bool load(handle source, bool convert) {
+        if (!convert && !isinstance<array>(source)) {
+            return false;
+        }
+        const array given = array::ensure(source);
+        if (!given) {
+            return false;
+        }
+        value.values = penumbra::bindings::faithful<T>(given);
+        return static_cast<bool>(value.values);
+    }
+};
+
+}  // namespace pybind11::detail

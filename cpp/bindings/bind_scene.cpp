@@ -10,9 +10,10 @@ namespace penumbra::bindings {
 
 namespace {
 
-std::shared_ptr<Mesh> make_mesh(std::string name, const Array<float>& positions, const Array<std::uint32_t>& triangles,
-                                const std::optional<Array<float>>& corner_normals,
-                                const std::optional<Array<std::uint16_t>>& triangle_material) {
+std::shared_ptr<Mesh> make_mesh(std::string name, const Faithful<float>& positions,
+                                const Faithful<std::uint32_t>& triangles,
+                                const std::optional<Faithful<float>>& corner_normals,
+                                const std::optional<Faithful<std::uint16_t>>& triangle_material) {
     auto mesh = std::make_shared<Mesh>();
     mesh->name = std::move(name);
     mesh->positions_local = vectors_from<glm::vec3, float, 3>(positions, "positions");
@@ -21,20 +22,23 @@ std::shared_ptr<Mesh> make_mesh(std::string name, const Array<float>& positions,
         mesh->corner_normals_local = vectors_from<glm::vec3, float, 3>(*corner_normals, "corner_normals");
     }
     if (triangle_material) {
-        mesh->triangle_material.assign(triangle_material->data(),
-                                       triangle_material->data() + triangle_material->size());
+        const Array<std::uint16_t>& slots = triangle_material->values;
+        if (slots.ndim() != 1) {
+            throw InvalidScene("triangle_material has shape " + shape_text(slots) + ", but (m,) is needed");
+        }
+        mesh->triangle_material.assign(slots.data(), slots.data() + slots.size());
     }
     const py::gil_scoped_release release;
     validate(*mesh);
     return mesh;
 }
 
-void add_instance(Scene& scene, std::string name, std::shared_ptr<Mesh> mesh, const Array<double>& world_from_local,
-                  const Array<float>& albedo, bool casts, bool receives, bool visible) {
+void add_instance(Scene& scene, std::string name, std::shared_ptr<Mesh> mesh, const Faithful<double>& world_from_local,
+                  const Faithful<float>& albedo, bool casts, bool receives, bool visible) {
     Instance instance;
     instance.name = std::move(name);
     instance.mesh = std::move(mesh);
-    instance.world_from_local = matrix_from(world_from_local, "world_from_local");
+    instance.world_from_local = matrix_from(world_from_local.values, "world_from_local");
     instance.albedo = vectors_from<glm::vec3, float, 3>(albedo, "albedo");
     instance.casts = casts;
     instance.receives = receives;
@@ -44,12 +48,12 @@ void add_instance(Scene& scene, std::string name, std::shared_ptr<Mesh> mesh, co
     scene.instances.push_back(std::move(instance));
 }
 
-void set_transform(Scene& scene, std::size_t instance, const Array<double>& world_from_local) {
+void set_transform(Scene& scene, std::size_t instance, const Faithful<double>& world_from_local) {
     if (instance >= scene.instances.size()) {
         throw InvalidScene("there is no instance " + std::to_string(instance) + "; the scene has " +
                            std::to_string(scene.instances.size()) + ", counted from 0");
     }
-    scene.instances[instance].world_from_local = matrix_from(world_from_local, "world_from_local");
+    scene.instances[instance].world_from_local = matrix_from(world_from_local.values, "world_from_local");
 }
 
 std::uint64_t triangle_count(const Scene& scene) {
@@ -143,8 +147,8 @@ void bind_camera(py::module_& m) {
         .def_readwrite("name", &Camera::name)
         .def_property(
             "world_from_camera", [](const Camera& camera) { return matrix_to(camera.world_from_camera); },
-            [](Camera& camera, const Array<double>& matrix) {
-                camera.world_from_camera = matrix_from(matrix, "world_from_camera");
+            [](Camera& camera, const Faithful<double>& matrix) {
+                camera.world_from_camera = matrix_from(matrix.values, "world_from_camera");
             })
         .def_readwrite("orthographic", &Camera::orthographic)
         .def_readwrite("tan_half_width", &Camera::tan_half_width)
@@ -174,7 +178,7 @@ void bind_scene(py::module_& m) {
         .def_property_readonly("triangle_count", [](const Mesh& mesh) { return mesh.triangles.size(); });
     py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "What is rendered: instances, lights, one camera.")
         .def(py::init<>())
-        .def("add_instance", &add_instance, py::arg("name"), py::arg("mesh"), py::arg("world_from_local"),
+        .def("add_instance", &add_instance, py::arg("name"), py::arg("mesh").none(false), py::arg("world_from_local"),
              py::arg("albedo"), py::arg("casts") = true, py::arg("receives") = true, py::arg("visible") = true,
              "world_from_local (4, 4) float64; albedo (k, 3) float32, linear, one row per material slot.")
         .def(

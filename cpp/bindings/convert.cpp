@@ -1,5 +1,7 @@
 #include "convert.h"
 
+#include <utility>
+
 #include "penumbra/error.h"
 
 namespace penumbra::bindings {
@@ -7,18 +9,47 @@ namespace penumbra::bindings {
 namespace py = pybind11;
 using namespace pybind11::literals;
 
+namespace {
+
+/// @throws InvalidSettings for what is no text, or no whole Unicode
+std::string text_of(const py::handle& value, const std::string& what) {
+    if (!py::isinstance<py::str>(value)) {
+        throw InvalidSettings(what + " is of type " +
+                              py::str(py::type::of(value).attr("__name__")).cast<std::string>() + "; give a str");
+    }
+    Py_ssize_t bytes = 0;
+    const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &bytes);
+    if (text == nullptr) {
+        PyErr_Clear();
+        throw InvalidSettings(what + " holds half a character; give a text that UTF-8 can hold");
+    }
+    return {text, static_cast<std::size_t>(bytes)};
+}
+
+int whole_number(const py::handle& value, const std::string& id) {
+    int overflow = 0;
+    const long long number = PyLong_AsLongLongAndOverflow(value.ptr(), &overflow);
+    if (overflow != 0 || !std::in_range<int>(number)) {
+        throw InvalidSettings("setting \"" + id +
+                              "\" is a whole number of more than 31 bits; no setting goes that far");
+    }
+    return static_cast<int>(number);
+}
+
+}  // namespace
+
 Settings settings_from(const py::dict& values) {
     Settings settings;
     for (const auto& [key, value] : values) {
-        const auto id = key.cast<std::string>();
+        const std::string id = text_of(key, "a setting's name");
         if (py::isinstance<py::bool_>(value)) {  // before int: True is an int in Python
             settings[id] = value.cast<bool>();
         } else if (py::isinstance<py::int_>(value)) {
-            settings[id] = value.cast<int>();
+            settings[id] = whole_number(value, id);
         } else if (py::isinstance<py::float_>(value)) {
             settings[id] = value.cast<double>();
         } else if (py::isinstance<py::str>(value)) {
-            settings[id] = value.cast<std::string>();
+            settings[id] = text_of(value, "setting \"" + id + "\"");
         } else {
             throw InvalidSettings("setting \"" + id + "\" has a value of type " +
                                   py::str(py::type::of(value).attr("__name__")).cast<std::string>() +

@@ -128,7 +128,7 @@ def read(path: Path) -> tuple[Wishes, list[Wishes]]:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise UserError(f'the job file "{path}" cannot be read: {(error.strerror or str(error)).lower()}') from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # besides tomllib's own: numbers too long, lists too deep
         raise UserError(f'the job file "{path}" is not TOML: {error}') from error
     scenes = document.pop("scenes", None)
     common = _read_table(path, "the job file", document, _OF_SCENE | _OF_JOB)

@@ -178,7 +178,7 @@ def named(wanted: Iterable[tuple[str | None, Path]]) -> list[str]:
     return names
 
 
-_RANGE = re.compile(r"(-?\d+)(?:(?:-|\.\.)(-?\d+))?(?::(\d+))?")
+_RANGE = re.compile(r"(-?\d{1,9})(?:(?:-|\.\.)(-?\d{1,9}))?(?::(\d{1,9}))?")
 
 
 def parse_frames(text: str) -> tuple[int, ...]:

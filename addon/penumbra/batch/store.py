@@ -64,7 +64,7 @@ class Facts:
             if state.st_mtime_ns == recorded["mtime_ns"]:
                 return True
             return bool(recorded["sha256"]) and bool(self.of(path)["sha256"] == recorded["sha256"])
-        except (OSError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError):
             return False
 
 
@@ -139,19 +139,20 @@ class Store:
             return State(False, "new")
         if document.get("failures"):
             return State(False, "something failed the last time", document)
-        return State(not (why := self._changed(item, document.get("made_from") or {})), why, document)
+        return State(not (why := self._changed(item, document.get("made_from"))), why, document)
 
-    def _changed(self, item: Item, stamp: Document) -> str:
-        if stamp.get("asked") != item.asked():
+    def _changed(self, item: Item, stamp: object) -> str:
+        if not isinstance(stamp, dict) or stamp.get("asked") != item.asked():
             return "other options"
         if stamp.get("core") != core_digest() or stamp.get("penumbra") != __version__:
             return "another build of Penumbra"
-        files = stamp.get("files") or []
-        if not files or not self._facts.same(files[0], Path(item.scene)):
+        files = stamp.get("files")
+        if not isinstance(files, list) or not files or not self._facts.same(files[0], Path(item.scene)):
             return "the scene has changed"
         for facts in files[1:]:
-            if not self._facts.same(facts, Path(str(facts.get("path", "")))):
-                return f"{Path(str(facts.get('path', ''))).name} has changed"
+            path = Path(str(facts.get("path", "")) if isinstance(facts, dict) else "")
+            if not self._facts.same(facts, path):
+                return f"{path.name} has changed"
         return ""
 
     def failure(self, item: Item) -> Document | None:
@@ -252,7 +253,7 @@ def _replace_folder(made: Path, target: Path, work: Path) -> None:
 def _read_json(path: Path) -> Document | None:
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
 

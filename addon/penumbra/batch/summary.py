@@ -25,6 +25,10 @@ from .store import Document
 SCHEMA = 1
 
 
+# What reading a report raises that somebody has damaged.
+_UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError)
+
+
 @dataclass(frozen=True)
 class Result:
     """What there is of an item, and where."""
@@ -152,7 +156,7 @@ def collect(job: Job, results: Sequence[Result], given: list[str], seconds: floa
             continue
         try:
             shots.append(_shot(result, job))
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except _UNREADABLE as error:
             failures.append(Failure(result.item.id, f"its report cannot be read: {errors.sentence_of(error)}"))
     failures += [Failure(shot.id, problem) for shot in shots for problem in shot.problems]
     order = {"fail": 0, "warn": 1, "ok": 2}

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 
 def size(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"(\d+)[xX×](\d+)", text)
+    match = re.fullmatch(r"(\d{1,9})[xX×](\d{1,9})", text)
     size = (int(match[1]), int(match[2])) if match else (0, 0)
     if not all(1 <= side <= 16384 for side in size):
         raise argparse.ArgumentTypeError(f'"{text}" is not a size such as 640x360, each side from 1 to 16384')

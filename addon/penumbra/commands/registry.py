@@ -53,7 +53,7 @@ class Parser(argparse.ArgumentParser):
         raise UserError(f"{message} (see {self.prog} --help)")
 
     def _unrecognised(self, text: str) -> str:
-        given = text.split()[0]
+        given = next(iter(text.split()), text)
         options = [option for action in self._actions for option in action.option_strings]
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction):

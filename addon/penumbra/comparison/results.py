@@ -67,7 +67,11 @@ def _figure(value: float) -> float:
 
 
 def packed(comparison: Comparison) -> str:
-    text = json.dumps(to_json(comparison), separators=(",", ":"), allow_nan=False)
+    return packed_text(json.dumps(to_json(comparison), separators=(",", ":"), allow_nan=False))
+
+
+def packed_text(text: str) -> str:
+    """As a scene's property holds it."""
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
@@ -76,7 +80,7 @@ def unpacked(document: str) -> Comparison | None:
     """The records without their pixels; None for what cannot be read. One object for all who ask: do not change it."""
     try:
         return from_json(json.loads(zlib.decompress(base64.b64decode(document))))
-    except (ValueError, TypeError, KeyError, binascii.Error, zlib.error):
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, binascii.Error, zlib.error):
         return None
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 SHOWN_NAMES = 4
 
 
@@ -20,6 +22,12 @@ class Notes:
     def sentences(self) -> list[str]:
         """One sentence per remark in the order of first mention: `left out, it has no faces: "A", "B" (3 times)`."""
         return [text + _listed(names) for text, names in self._names.items()]
+
+
+def kept(value: Any) -> list[str]:
+    """What `scenes.open_scene` put into a scene. Anybody may write anything there, and files keep it."""
+    texts = [value] if isinstance(value, str) else value if hasattr(value, "__iter__") else []
+    return [" ".join(str(text).split()) for text in texts if str(text).strip()]
 
 
 def _listed(names: dict[str, int]) -> str:

@@ -67,6 +67,7 @@ struct TimingOptions {
 
 /// Runs the jobs interleaved in random order until each one's median is tight or its cap is reached, so that drift
 /// hits all alike. Each job returns the milliseconds it measured itself.
+/// @throws InvalidSettings for limits below 0 (runs: 1) or not a number
 [[nodiscard]] std::vector<TimeSummary> measure_interleaved(std::span<const std::function<double()>> jobs,
                                                            const TimingOptions& options, Control& control);
 

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <random>
 #include <span>
+#include <string>
 
 #include "measure/percentile.h"
+#include "penumbra/error.h"
 #include "penumbra/measure.h"
 
 namespace penumbra {
@@ -57,6 +59,16 @@ double share_done(const JobState& state, const TimingOptions& options) noexcept 
     return std::min(1.0, std::max(by_runs, by_time));
 }
 
+void check(const TimingOptions& options) {
+    if (!(options.max_seconds >= 0.0)) {  // not a number: no run would ever be the last
+        throw InvalidSettings{"timing: max_seconds is " + std::to_string(options.max_seconds) + "; give 0 or more"};
+    }
+    if (options.min_runs < 1 || options.max_runs < 1) {
+        throw InvalidSettings{"timing: from " + std::to_string(options.min_runs) + " to " +
+                              std::to_string(options.max_runs) + " runs; give 1 or more"};
+    }
+}
+
 /// Fisher-Yates with a generator and a mapping that the standard fixes, so that a seed means one order everywhere.
 void shuffle(std::vector<std::size_t>& order, std::mt19937& random) {
     for (std::size_t i = order.size(); i > 1; --i) {
@@ -89,6 +101,7 @@ TimeSummary summarise_times(std::vector<double> samples_ms) {
 
 std::vector<TimeSummary> measure_interleaved(std::span<const std::function<double()>> jobs,
                                              const TimingOptions& options, Control& control) {
+    check(options);
     std::vector<JobState> states(jobs.size());
     std::mt19937 random{options.seed};
     for (;;) {

@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include "penumbra/error.h"
 #include "penumbra/measure.h"
 
 namespace penumbra {
@@ -147,6 +148,19 @@ TEST(MeasureInterleaved, RunsASlowJobAtLeastOnceThoughItsTimeIsUp) {
     EXPECT_EQ(summaries[0].runs, 1);
     EXPECT_FALSE(summaries[0].tight);
     EXPECT_EQ(calls, 2);  // one warm-up already took more than its half
+}
+
+TEST(MeasureInterleaved, RefusesLimitsThatEndNothing) {
+    const Jobs jobs{[] { return 1.0; }};
+    TimingOptions endless;
+    endless.max_seconds = std::nan("");
+    EXPECT_THROW(static_cast<void>(run(jobs, endless)), InvalidSettings);
+    TimingOptions never;
+    never.max_runs = 0;
+    EXPECT_THROW(static_cast<void>(run(jobs, never)), InvalidSettings);
+    TimingOptions past;
+    past.max_seconds = -1.0;
+    EXPECT_THROW(static_cast<void>(run(jobs, past)), InvalidSettings);
 }
 
 TEST(MeasureInterleaved, StopsBetweenJobsWhenCancelled) {
