@@ -136,8 +136,8 @@ def grid(low: int, high: int, parts: int = 4) -> st.SearchStrategy[float]:
     return st.integers(low * parts, high * parts).map(lambda whole: whole / parts)
 
 
-def coordinates(reach: int) -> st.SearchStrategy[float]:
-    return grid(-reach, reach) | st.floats(-reach, reach, width=32)
+def coordinates(reach: int, exact: bool = False) -> st.SearchStrategy[float]:
+    return grid(-reach, reach) | (st.nothing() if exact else st.floats(-reach, reach, width=32, allow_subnormal=False))
 
 
 def mostly(often: st.SearchStrategy[T], seldom: st.SearchStrategy[T]) -> st.SearchStrategy[T]:
@@ -149,8 +149,12 @@ def vectors(numbers: st.SearchStrategy[float]) -> st.SearchStrategy[Vector]:
     return st.tuples(numbers, numbers, numbers)
 
 
-sizes = mostly(st.sampled_from([0.5, 0.1, 1.0]), st.sampled_from([0.0, 1e-9, 1e-3, 3.0, 30.0]))
-"""Of lights, in metres; scenes are about four metres large."""
+def sizes(exact: bool) -> st.SearchStrategy[float]:
+    """Of lights, in metres; scenes are about four metres large."""
+    return mostly(
+        st.sampled_from([0.5, 0.125, 1.0]),
+        st.sampled_from([0.0, 4.0, 32.0] if exact else [0.0, 1e-9, 1e-3, 3.0, 30.0]),
+    )
 
 
 # --- geometry --------------------------------------------------------------------------------------------------------
@@ -170,20 +174,23 @@ def sheet(half: float) -> MeshSpec:
 
 
 @st.composite
-def soups(draw: st.DrawFn) -> MeshSpec:
+def soups(draw: st.DrawFn, exact: bool) -> MeshSpec:
     """Any topology: open, non-manifold, turned over, without area, doubled, empty."""
-    positions = draw(st.lists(vectors(coordinates(2)), min_size=0, max_size=12))
+    positions = draw(st.lists(vectors(coordinates(2, exact)), min_size=0, max_size=12))
     if not positions:
         return MeshSpec((), ())
     corner = st.integers(0, len(positions) - 1)
     return MeshSpec(tuple(positions), tuple(draw(st.lists(st.tuples(corner, corner, corner), max_size=20))))
 
 
-meshes = st.one_of(
-    st.builds(_box, vectors(st.sampled_from([0.0, 1e-6, 0.1, 0.5, 1.0]))),
-    st.builds(sheet, st.sampled_from([0.25, 1.0, 2.0])),
-    soups(),
-)
+def meshes(exact: bool) -> st.SearchStrategy[MeshSpec]:
+    halves = [0.0, 0.125, 0.5, 1.0] if exact else [0.0, 1e-6, 0.1, 0.5, 1.0]
+    return st.one_of(
+        st.builds(_box, vectors(st.sampled_from(halves))),
+        st.builds(sheet, st.sampled_from([0.25, 1.0, 2.0])),
+        soups(exact),
+    )
+
 
 IDENTITY: Matrix = tuple(tuple(float(i == j) for j in range(4)) for i in range(4))
 
@@ -203,29 +210,37 @@ def _turn(axis: int, angle_rad: float) -> npt.NDArray[np.float64]:
     return turn
 
 
-angles = st.sampled_from([0.0, math.pi / 2, math.pi, 0.3]) | st.floats(-3.2, 3.2)
+def turns(angles_rad: list[float]) -> st.SearchStrategy[npt.NDArray[np.float64]]:
+    """About an axis by one of the angles; quarters of a turn without rounding."""
+    turn = st.builds(_turn, st.integers(0, 2), st.sampled_from(angles_rad))
+    return turn.map(lambda found: np.where(np.abs(found - np.round(found)) < 1e-12, np.round(found), found))
+
+
+QUARTERS = [0.0, math.pi / 2, math.pi]
+any_turn = turns(QUARTERS) | st.builds(_turn, st.integers(0, 2), st.floats(-3.2, 3.2))
 
 
 @st.composite
-def matrices(draw: st.DrawFn) -> Matrix:
+def matrices(draw: st.DrawFn, exact: bool) -> Matrix:
     """Turned, scaled, mirrored, sheared; now and then singular."""
-    stretch = mostly(st.sampled_from([1.0, 0.5, 2.0, -1.0]), st.sampled_from([1e-3, 1e-6, -3.0]))
-    linear = _turn(draw(st.integers(0, 2)), draw(angles)) @ np.diag(draw(vectors(stretch)))
+    stretch = mostly(st.sampled_from([1.0, 0.5, 2.0, -1.0]), st.sampled_from([-4.0] if exact else [1e-3, 1e-6, -3.0]))
+    linear = draw(turns(QUARTERS) if exact else any_turn) @ np.diag(draw(vectors(stretch)))
     if draw(st.integers(0, 49)) == 49:
         linear[:, 0] = linear[:, 1] * draw(st.sampled_from([0.0, 1.0]))
     if draw(st.booleans()):
         shear = np.eye(3)
         shear[0, 1], shear[0, 2] = draw(grid(-2, 2)), draw(grid(-2, 2))
         linear = shear @ linear
-    x, y = draw(mostly(coordinates(1), coordinates(4))), draw(mostly(coordinates(1), coordinates(4)))
-    z = draw(grid(0, 3) | st.floats(0, 3, width=32))
-    return _affine(linear, (x, y, z))
+    x, y = (draw(mostly(coordinates(1, exact), coordinates(4, exact))) for _ in range(2))
+    return _affine(linear, (x, y, draw(mostly(grid(0, 3), coordinates(3, exact)))))
 
 
 @st.composite
-def instances(draw: st.DrawFn) -> InstanceSpec:
+def instances(draw: st.DrawFn, exact: bool) -> InstanceSpec:
     nearly_always = st.integers(0, 7).map(lambda number: number != 7)
-    return InstanceSpec(draw(meshes), draw(matrices()), draw(nearly_always), draw(nearly_always), draw(nearly_always))
+    return InstanceSpec(
+        draw(meshes(exact)), draw(matrices(exact)), draw(nearly_always), draw(nearly_always), draw(nearly_always)
+    )
 
 
 # --- lights and cameras ----------------------------------------------------------------------------------------------
@@ -234,15 +249,12 @@ directions = vectors(grid(-1, 1)).filter(any)
 
 
 @st.composite
-def lights(draw: st.DrawFn, kind: str) -> LightSpec:
+def lights(draw: st.DrawFn, kind: str, exact: bool) -> LightSpec:
     """Above, inside, on and under what there is; from no size to ten times the scene."""
-    at: Vector = (
-        draw(mostly(coordinates(2), coordinates(9))),
-        draw(mostly(coordinates(2), coordinates(9))),
-        draw(mostly(grid(2, 6), grid(-1, 2) | st.floats(-1, 30))),
-    )
+    x, y = (draw(mostly(coordinates(2, exact), coordinates(9, exact))) for _ in range(2))
+    at: Vector = (x, y, draw(mostly(grid(2, 6), grid(-1, 2) | coordinates(30, exact))))
     if kind in ("point", "spot"):
-        members: dict[str, Any] = {"position_ws": at, "radius_m": draw(sizes)}
+        members: dict[str, Any] = {"position_ws": at, "radius_m": draw(sizes(exact))}
         if kind == "spot":
             members |= {
                 "direction_ws": draw(mostly(st.just((0.0, 0.0, -1.0)), directions)),
@@ -256,16 +268,17 @@ def lights(draw: st.DrawFn, kind: str) -> LightSpec:
         towards = draw(mostly(st.just((0.2, 0.1, -1.0)), directions))
         angle = draw(st.sampled_from([0.1, 0.0, 1e-6, 0.0093, 1.0, math.pi]))
         return LightSpec(kind, {"direction_ws": towards, "sun_angle_rad": angle})
-    u, v = draw(sizes), draw(sizes)
-    turn = _turn(draw(st.integers(0, 2)), draw(mostly(st.sampled_from([0.0, 0.3, -0.4]), angles)))
+    u, v = draw(sizes(exact)), draw(sizes(exact))
+    turn = draw(turns([0.0, math.pi / 2]) if exact else mostly(turns([0.0, 0.3, -0.4]), any_turn))
     half_u, half_v = (turn @ (u, 0.0, 0.0)).tolist(), (turn @ (0.0, v, 0.0)).tolist()
     members = {"position_ws": at, "direction_ws": (turn @ (0.0, 0.0, -1.0)).tolist()}
     if kind == "polygon":
-        count = draw(st.integers(3, 8))
-        first = draw(st.floats(0.0, 1.0))
+        first = 0.0 if exact else draw(st.floats(0.0, 1.0))
+        count = 4 if exact else draw(st.integers(3, 8))
         around = [2.0 * math.pi * (i + first) / count for i in range(count)]
-        corners = [turn @ (max(u, 1e-3) * math.cos(a), max(v, 1e-3) * math.sin(a), 0.0) + at for a in around]
-        return LightSpec(kind, members | {"corners_ws": [corner.tolist() for corner in corners]})
+        plane = np.array([(max(u, 1e-3) * math.cos(a), max(v, 1e-3) * math.sin(a), 0.0) for a in around])
+        corners = (np.round(plane * 64.0) / 64.0 if exact else plane) @ turn.T + at
+        return LightSpec(kind, members | {"corners_ws": corners.tolist()})
     members["half_u_ws"] = half_u
     if kind != "line":
         members["half_v_ws"] = half_v if draw(st.booleans()) else (turn @ (0.5 * u, v, 0.0)).tolist()
@@ -302,12 +315,15 @@ def cameras(draw: st.DrawFn) -> CameraSpec:
 
 
 @st.composite
-def scenes(draw: st.DrawFn, kind: str | None = None) -> SceneSpec:
-    """Most have a floor, so that something is shaded; all have one light."""
-    parts = draw(st.lists(instances(), min_size=draw(st.integers(0, 3)), max_size=4))
+def scenes(draw: st.DrawFn, exact: bool = False) -> SceneSpec:
+    """Most have a floor, so that something is shaded; all have one light.
+
+    exact: of such numbers that a move by a multiple of 1/4 rounds nowhere
+    """
+    parts = draw(st.lists(instances(exact), min_size=draw(st.integers(0, 3)), max_size=4))
     if draw(st.integers(0, 9)) < 9:
         parts.insert(0, InstanceSpec(sheet(4.0), IDENTITY))
-    light = draw(lights(kind if kind is not None else draw(st.sampled_from(KINDS))))
+    light = draw(lights(draw(st.sampled_from(KINDS)), exact))
     return SceneSpec(tuple(parts), light, draw(cameras()))
 
 
@@ -342,7 +358,7 @@ def values_of(setting: dict[str, Any]) -> st.SearchStrategy[Any]:
         )
     if setting["type"] == "int":
         return st.integers(int(low), min(int(high), _DEAREST.get(setting["id"], int(high))))
-    return st.sampled_from([float(low), float(high)]) | st.floats(low, high)
+    return st.sampled_from([float(low), float(high)]) | st.floats(low, high, allow_subnormal=False)
 
 
 def cheap(technique: dict[str, Any]) -> dict[str, Any]:
@@ -351,6 +367,6 @@ def cheap(technique: dict[str, Any]) -> dict[str, Any]:
     return {setting["id"]: small[setting["id"]] for setting in technique["settings"] if setting["id"] in small}
 
 
-def settings_of(technique: dict[str, Any]) -> st.SearchStrategy[dict[str, Any]]:
-    optional = {setting["id"]: values_of(setting) for setting in technique["settings"]}
+def settings_of(technique: dict[str, Any], fixed: frozenset[str] = frozenset()) -> st.SearchStrategy[dict[str, Any]]:
+    optional = {setting["id"]: values_of(setting) for setting in technique["settings"] if setting["id"] not in fixed}
     return st.fixed_dictionaries({}, optional=optional).map(lambda given: cheap(technique) | given)
