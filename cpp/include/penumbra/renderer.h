@@ -80,11 +80,12 @@ public:
 
     [[nodiscard]] const Environment& environment() const noexcept;
 
-    /// Takes a copy (meshes are shared), checks it and makes it current. Only what changed is sent again.
+    /// Takes a copy (meshes are shared), checks it and makes it current. Only what changed is checked and sent again:
+    /// an instance that moved costs its matrix, another light keeps the view, another camera what rays are cast at.
     /// @throws InvalidScene; the former scene then stays.
     void set_scene(const Scene& scene);
 
-    /// The G-buffer of the scene's camera; made once per scene.
+    /// The G-buffer of the scene's camera; made once per camera and set of instances.
     [[nodiscard]] std::shared_ptr<const View> view(Control& control);
     [[nodiscard]] double view_ms() const noexcept;  ///< time of the view passes, without the copy to main memory
 

@@ -28,6 +28,9 @@ struct Instance {
     bool casts = true;                                  ///< blocks light
     bool receives = true;                               ///< false: seen, but V is not asked there (outside the mask)
     bool visible = true;                                ///< seen by the camera
+
+    /// Of equal members and the same mesh: one of equal content is another.
+    friend bool operator==(const Instance&, const Instance&) = default;
 };
 
 /// Camera looking along its local -z with +y up; row 0 of every image is at the bottom.
@@ -44,6 +47,8 @@ struct Camera {
     int width_px = 512;
     int height_px = 512;
     glm::dvec2 pixel_offset{0.0};  ///< sub-pixel shift of the sample, in pixels, 0 = pixel centres
+
+    friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 /// What is rendered. Knows neither Blender nor OpenGL.

@@ -1,6 +1,7 @@
 #include "passes/gpu_scene.h"
 
-#include <map>
+#include <numeric>
+#include <unordered_map>
 
 #include "penumbra/error.h"
 
@@ -16,9 +17,26 @@ struct DrawCommand {
 
 }  // namespace
 
+bool GpuScene::has_meshes_of(const Scene& scene) const noexcept {
+    if (!vertex_array_ || scene.instances.size() != mesh_of_instance_.size()) {
+        return false;
+    }
+    for (std::size_t i = 0; i < mesh_of_instance_.size(); ++i) {
+        if (scene.instances[i].mesh != meshes_[mesh_of_instance_[i]]) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool GpuScene::update(const Scene& scene) {
+    if (has_meshes_of(scene)) {
+        place(scene);
+        send_albedos(scene);
+        return false;
+    }
     std::vector<std::shared_ptr<const Mesh>> meshes;
-    std::map<const Mesh*, std::uint32_t> index_of;
+    std::unordered_map<const Mesh*, std::uint32_t> index_of;
     mesh_of_instance_.clear();
     for (const Instance& instance : scene.instances) {
         const auto [found, is_new] = index_of.emplace(instance.mesh.get(), static_cast<std::uint32_t>(meshes.size()));
@@ -28,11 +46,14 @@ bool GpuScene::update(const Scene& scene) {
         mesh_of_instance_.push_back(found->second);
     }
     const bool geometry_changed = meshes != meshes_ || !vertex_array_;
+    vertex_array_ = VertexArray{};  // none, should the device have no room for what follows
     if (geometry_changed) {
         meshes_ = std::move(meshes);
         send_geometry();
     }
-    send_instances(scene);
+    place(scene);
+    send_albedos(scene);
+    make_vertex_array();
     return geometry_changed;
 }
 
@@ -85,16 +106,11 @@ void GpuScene::send_geometry() {
     materials_ = StorageBuffer::from(materials, "triangle materials");
 }
 
-void GpuScene::send_instances(const Scene& scene) {
-    const std::size_t count = scene.instances.size();
+void GpuScene::place(const Scene& scene) {
     world_from_recentred_.clear();
     mirrored_.clear();
     instance_bounds_ws_.clear();
-    first_albedo_.clear();
-    albedo_count_.clear();
-    std::vector<glm::vec4> albedos;
-    std::vector<std::uint32_t> numbers;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         const MeshRange& range = ranges_[mesh_of_instance_[i]];
         glm::dmat4 matrix = instance.world_from_local;
@@ -102,16 +118,30 @@ void GpuScene::send_instances(const Scene& scene) {
         world_from_recentred_.push_back(matrix);
         mirrored_.push_back(glm::determinant(glm::dmat3{matrix}) < 0.0 ? 1 : 0);
         instance_bounds_ws_.push_back(transformed(range.bounds_local, instance.world_from_local));
+    }
+}
+
+void GpuScene::send_albedos(const Scene& scene) {
+    first_albedo_.clear();
+    albedo_count_.clear();
+    std::vector<glm::vec4> albedos;
+    for (const Instance& instance : scene.instances) {
         first_albedo_.push_back(static_cast<std::uint32_t>(albedos.size()));
         albedo_count_.push_back(static_cast<std::uint32_t>(instance.albedo.size()));
         for (const glm::vec3& colour : instance.albedo) {
             albedos.emplace_back(colour, 1.0F);
         }
-        numbers.push_back(static_cast<std::uint32_t>(i));
     }
-    albedos_ = StorageBuffer::from(albedos, "albedos");
-    instance_indices_ = StorageBuffer::from(numbers, "instance indices");
+    if (!albedos_ || albedos != albedo_values_) {
+        albedos_ = StorageBuffer::from(albedos, "albedos");
+        albedo_values_ = std::move(albedos);
+    }
+}
 
+void GpuScene::make_vertex_array() {
+    std::vector<std::uint32_t> numbers(mesh_of_instance_.size());
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    instance_indices_ = StorageBuffer::from(numbers, "instance indices");
     vertex_array_ = VertexArray::create();
     const GLuint vao = vertex_array_.name();
     glVertexArrayVertexBuffer(vao, 0, positions_.name(), 0, sizeof(glm::vec3));

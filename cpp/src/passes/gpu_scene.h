@@ -26,7 +26,8 @@ public:
         Bounds bounds_local;
     };
 
-    /// Sends what is not there yet: geometry only if the meshes changed, else instances alone.
+    /// Sends what is not there yet: geometry only if the meshes changed, albedos only if they did. Transforms stay
+    /// here, since each pass wants them relative to an origin of its own.
     /// @return true if geometry was sent again
     bool update(const Scene& scene);
 
@@ -59,8 +60,12 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
 private:
+    /// @return true if each instance has the mesh that it had
+    [[nodiscard]] bool has_meshes_of(const Scene& scene) const noexcept;
     void send_geometry();
-    void send_instances(const Scene& scene);
+    void place(const Scene& scene);
+    void send_albedos(const Scene& scene);
+    void make_vertex_array();
 
     std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
     std::vector<MeshRange> ranges_;
@@ -68,6 +73,7 @@ private:
     std::vector<glm::dmat4> world_from_recentred_;
     std::vector<std::uint8_t> mirrored_;
     std::vector<std::uint32_t> first_albedo_, albedo_count_;
+    std::vector<glm::vec4> albedo_values_;  ///< as they were sent
     std::vector<Bounds> instance_bounds_ws_;
 
     VertexArray vertex_array_;

@@ -15,6 +15,7 @@
 #include "reference/light_mask.h"
 #include "reference/ray_reference.h"
 #include "reference/ray_scene.h"
+#include "scene/scene_validator.h"
 
 namespace penumbra {
 
@@ -61,11 +62,13 @@ public:
     struct State {
         explicit State(bool wall_clock) : clock{wall_clock} {}
         StepClock clock;
+        SceneValidator validator;
         FullscreenPass fullscreen;
         GpuScene gpu_scene;
         GpuAdjacency adjacency;
         ViewPass view_pass;
         std::shared_ptr<const Scene> scene = std::make_shared<const Scene>();
+        bool sent = false;  ///< the scene's instances are those of gpu_scene
         std::shared_ptr<const View> view;
         double view_ms = 0.0;
         std::unique_ptr<RayScene> ray_scene;
@@ -250,14 +253,22 @@ const Environment& Renderer::environment() const noexcept {
 
 void Renderer::set_scene(const Scene& scene) {
     auto checked = std::make_shared<Scene>(scene);
-    validate(*checked);
     impl_->thread_.run([&](Device&) {
         Impl::State& s = *impl_->state_;
+        s.validator.validate(*checked);
+        const bool same_instances = s.sent && checked->instances == s.scene->instances;
+        const bool same_camera = checked->camera == s.scene->camera;
         s.summaries.clear();
-        s.view.reset();
-        s.ray_scene.reset();
         s.scene = checked;
-        s.gpu_scene.update(*checked);
+        if (!same_instances || !same_camera) {
+            s.view.reset();
+        }
+        if (!same_instances) {
+            s.sent = false;  // unless this ends well
+            s.ray_scene.reset();
+            s.gpu_scene.update(*checked);
+            s.sent = true;
+        }
     });
 }
 

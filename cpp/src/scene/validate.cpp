@@ -7,6 +7,7 @@
 #include "penumbra/scene.h"
 #include "scene/message.h"
 #include "scene/normalise.h"
+#include "scene/scene_validator.h"
 
 namespace penumbra {
 
@@ -219,21 +220,31 @@ void validate(Camera& camera) {
     make_rigid(camera.world_from_camera);
 }
 
-void validate(Scene& scene) {
-    std::unordered_map<const Mesh*, glm::dvec3> mesh_reach;
+void SceneValidator::validate(Scene& scene) {
+    std::unordered_map<const Mesh*, Known> met;
+    met.reserve(known_.size());
     for (const Instance& instance : scene.instances) {
         check_mesh_given(instance);
-        const auto [entry, is_new] = mesh_reach.try_emplace(instance.mesh.get());
+        const auto [entry, is_new] = met.try_emplace(instance.mesh.get());
         if (is_new) {
-            validate(*instance.mesh);
-            entry->second = reach(*instance.mesh);
+            if (const auto before = known_.find(instance.mesh.get()); before != known_.end()) {
+                entry->second = before->second;
+            } else {
+                penumbra::validate(*instance.mesh);
+                entry->second = {instance.mesh, reach(*instance.mesh)};
+            }
         }
-        check_instance(instance, entry->second);
+        check_instance(instance, entry->second.reach);
     }
     for (Light& light : scene.lights) {
         normalise(light);
     }
-    validate(scene.camera);
+    penumbra::validate(scene.camera);
+    known_ = std::move(met);
+}
+
+void validate(Scene& scene) {
+    SceneValidator{}.validate(scene);
 }
 
 }  // namespace penumbra
