@@ -129,17 +129,23 @@ class _Geometry:
     mesh: Any  # core.Mesh
     arrays: MeshArrays
     count: int
-    bounds: tuple[DoubleArray, DoubleArray] | None = None
+    box: DoubleArray | None = None
 
     def corners(self) -> DoubleArray:
-        """The eight corners of the local bounding box."""
-        if self.bounds is None:
-            self.bounds = (
-                self.arrays.positions.min(axis=0).astype(np.float64),
-                self.arrays.positions.max(axis=0).astype(np.float64),
-            )
-        low, high = self.bounds
-        return np.array([[(low, high)[(i >> axis) & 1][axis] for axis in range(3)] for i in range(8)])
+        """(8, 3): those of the local bounding box."""
+        if self.box is None:
+            low = self.arrays.positions.min(axis=0).astype(np.float64)
+            high = self.arrays.positions.max(axis=0).astype(np.float64)
+            self.box = np.where(_CORNERS, high, low)
+        return self.box
+
+
+_CORNERS = np.array([[(i >> axis) & 1 for axis in range(3)] for i in range(8)], dtype=bool)
+
+
+def _placed_corners(geometry: _Geometry, world_from_local: DoubleArray) -> DoubleArray:
+    corners: DoubleArray = geometry.corners() @ world_from_local[:3, :3].T + world_from_local[:3, 3]
+    return corners
 
 
 def _made_by_another(instance: Any) -> bool:
@@ -155,6 +161,7 @@ class Reader:
     depsgraph: Any
     blender_scene: Any
     geometries: Geometries = field(default_factory=Geometries)
+    space: Any | None = None  # a 3D viewport: its local view, local collections and object types count
     notes: Notes = field(default_factory=Notes)
 
     def __post_init__(self) -> None:
@@ -165,6 +172,8 @@ class Reader:
         self.light_names: list[str] = []
         self.materials = materials.Reader(self.notes)
         self.seen: dict[int, tuple[_Geometry, DoubleArray]] = {}  # by the core's instance, with the transform
+        self._boxes: DoubleArray | None = None  # (n, 8, 3) corners of all that is in `seen`, in its order
+        self._box_of: dict[int, int] = {}  # the core's instance -> row of `_boxes`
         self.plain: dict[
             int, int
         ] = {}  # an object's session_uid -> its instance, where it is one instance as it stands
@@ -207,6 +216,9 @@ class Reader:
 
     def _instance(self, instance: Any) -> None:
         obj = instance.object
+        # An instance knows only its original's place in local view; what counts is the object that makes it.
+        if self.space is not None and not (instance.parent or obj).visible_in_viewport_get(self.space):
+            return
         kind = obj.type
         if kind == "LIGHT":
             self._light(instance)
@@ -574,11 +586,23 @@ class Reader:
             raise BridgeError(f'there is no camera called "{wanted}"; the scene has {there}')
         return self.blender_scene.objects[wanted].evaluated_get(self.depsgraph)
 
+    def move(self, number: int, world_from_local: DoubleArray) -> None:
+        """An instance of the core's stands elsewhere."""
+        self.scene.set_transform(number, np.ascontiguousarray(world_from_local))
+        if number in self.seen:
+            self.seen[number] = (self.seen[number][0], world_from_local)
+            if self._boxes is not None:
+                self._boxes[self._box_of[number]] = _placed_corners(*self.seen[number])
+
     def box_points(self) -> DoubleArray:
-        """Corners of the bounding boxes of all that is visible; of a cube round the origin if nothing is."""
+        """(n, 3) corners of the bounding boxes of all that is visible; of a cube round the origin if nothing is. The
+        caller's own."""
         if not self.seen:
             return np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
-        return np.concatenate([geometry.corners() @ m[:3, :3].T + m[:3, 3] for geometry, m in self.seen.values()])
+        if self._boxes is None:
+            self._boxes = np.stack([_placed_corners(geometry, matrix) for geometry, matrix in self.seen.values()])
+            self._box_of = {number: row for row, number in enumerate(self.seen)}
+        return self._boxes.reshape(-1, 3).copy()
 
     def _place_camera(self, camera: Any, frame: Frame) -> None:
         placed = placing.frame_everything(self.box_points(), frame)

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from . import bridge
 from .read.transforms import is_singular, matrix_of
 
@@ -27,7 +25,7 @@ class SceneSync:
         self._geometries = bridge.Geometries()
         self._reader: bridge.Reader | None = None
         self._export: bridge.SceneExport | None = None
-        self._shown: tuple[int, ...] = ()
+        self._shown: tuple[Any, ...] = ()
         self.full_reads = 0
 
     @property
@@ -41,16 +39,22 @@ class SceneSync:
         assert self._reader is not None
         return self._reader.box_points()
 
-    def update(self, depsgraph: Any) -> bridge.SceneExport:
-        """@raises BridgeError, penumbra_core.InvalidScene; the next update() then reads everything"""
-        shown = tuple(obj.as_pointer() for obj in depsgraph.objects)
+    def update(self, depsgraph: Any, space: Any | None = None) -> bridge.SceneExport:
+        """
+        space: the 3D viewport whose own choice of objects counts: local view, local collections, types of objects
+        @raises BridgeError, penumbra_core.InvalidScene; the next update() then reads everything
+        """
+        if space is None:
+            shown: tuple[Any, ...] = tuple(obj.as_pointer() for obj in depsgraph.objects)
+        else:
+            shown = tuple((obj.as_pointer(), obj.visible_in_viewport_get(space)) for obj in depsgraph.objects)
         export, self._export = self._export, None
         if export is None or shown != self._shown or not self._patch(depsgraph):
-            export = self._read(depsgraph)
+            export = self._read(depsgraph, space)
         self._shown, self._export = shown, export
         return export
 
-    def _read(self, depsgraph: Any) -> bridge.SceneExport:
+    def _read(self, depsgraph: Any, space: Any | None) -> bridge.SceneExport:
         changed = set()
         for update in depsgraph.updates:
             if update.is_updated_geometry:
@@ -60,7 +64,7 @@ class SceneSync:
                     changed.add(data.original.session_uid)
         if self._reader is None or changed:
             self._geometries.forget(changed)
-        self._reader = bridge.Reader(depsgraph, depsgraph.scene_eval, self._geometries)
+        self._reader = bridge.Reader(depsgraph, depsgraph.scene_eval, self._geometries, space=space)
         self.full_reads += 1
         return self._reader.read(None, None)
 
@@ -127,9 +131,7 @@ class SceneSync:
             light.name = name
             made[name] = light
         for number, matrix in matrices:
-            reader.scene.set_transform(number, np.ascontiguousarray(matrix))
-            if number in reader.seen:
-                reader.seen[number] = (reader.seen[number][0], matrix)
+            reader.move(number, matrix)
         if made:
             reader.scene.lights = [made.get(light.name, light) for light in reader.scene.lights]
         return True

@@ -298,15 +298,17 @@ def order_of(context: Any) -> running.Order:
 def _export(context: Any, kept: Any) -> tuple[bridge.SceneExport, str]:
     """What the viewport shows, seen as asked for."""
     scene, depsgraph = context.scene, context.evaluated_depsgraph_get()
-    reader = bridge.Reader(depsgraph, depsgraph.scene_eval)
     if kept.view == "CAMERA":
+        reader = bridge.Reader(depsgraph, depsgraph.scene_eval)
         share = scene.render.resolution_percentage / 100.0 * kept.scale / 100.0
         size = (max(1, round(scene.render.resolution_x * share)), max(1, round(scene.render.resolution_y * share)))
         export = reader.read(None, size)
         return export, export.camera
-    seen = view_region.seen_part(_viewport(context))
+    viewport = _viewport(context)
+    seen = view_region.seen_part(viewport)
     if seen is None:
         raise UserError("the 3D viewport shows nothing; compare with the scene's camera")
+    reader = bridge.Reader(depsgraph, depsgraph.scene_eval, space=viewport.space_data)
     export = reader.read(None, None)
     width, height = (max(1, round(edge * kept.scale / 100.0)) for edge in seen.box[2:])
     export.scene.camera = seen.camera((width, height), reader.box_points())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
@@ -42,6 +43,26 @@ def seen_part(context: Any) -> SeenPart | None:
 
     numbers = tuple(x for matrix in (view_matrix, window_matrix) for row in matrix for x in row)
     return SeenPart(box, (region_px, box, numbers), camera)
+
+
+def own_choice(space: Any | None) -> tuple[Any, ...]:
+    """What a 3D viewport shows of the scene by its own choice: another value, another choice of objects.
+
+    Within local view and local collections Blender tells of changes; of entering them and of types of objects it does
+    not.
+    """
+    if space is None:
+        return ()
+    types = tuple(getattr(space, name) for name in _type_switches())
+    return (space.local_view is not None, bool(space.use_local_collections), types)
+
+
+@functools.cache
+def _type_switches() -> tuple[str, ...]:
+    import bpy
+
+    properties = (entry.identifier for entry in bpy.types.SpaceView3D.bl_rna.properties)
+    return tuple(sorted(name for name in properties if name.startswith("show_object_viewport_")))
 
 
 def _border(context: Any, region: Any, view: Any) -> tuple[int, int, int, int] | None:

@@ -29,6 +29,7 @@ class EngineView:
         self._pictures = Pictures()
         self._texture = Texture()
         self._revision = 0
+        self._choice: tuple[Any, ...] = ()  # of objects, in the viewport that the scene was read for
         self._asked: Any = None
         self._readable = False
         self.times = Times()
@@ -50,7 +51,8 @@ class EngineView:
         started = time.perf_counter()
         try:
             preferences.apply()
-            self._sync.update(depsgraph)
+            self._choice = view_region.own_choice(context.space_data)
+            self._sync.update(depsgraph, context.space_data)
             self._readable = True
             self.times.read = time.perf_counter() - started
         except Exception as error:
@@ -59,6 +61,8 @@ class EngineView:
         self._revision += 1
 
     def draw(self, context: Any, depsgraph: Any) -> None:
+        if view_region.own_choice(context.space_data) != self._choice:  # Blender only draws anew
+            self.update(context, depsgraph)
         started = time.perf_counter()
         seen = view_region.seen_part(context)
         if self._readable and seen is not None:
