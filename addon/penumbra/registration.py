@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import atexit
+import sys
+from pathlib import Path
 from typing import Protocol
 
 from . import blender_command, compositor, engine, preferences, properties, session
 from .comparison import operators as comparison_operators
 from .comparison import properties as comparison_properties
+from .errors import UserError
 from .panel import comparison as comparison_panel
 from .panel import overlay as overlay_panel
 from .panel import render_settings
-from .viewport import overlay, redraws
+from .viewport import overlay, redraws, worker
 
 
 class _Part(Protocol):
@@ -36,7 +39,8 @@ _registered: list[_Part] = []
 
 
 def register() -> None:
-    """@raises whatever a part raises; what was registered before it is taken back"""
+    """@raises UserError where another copy is on; whatever a part raises, with what was registered before taken back"""
+    _refuse_second_copy()
     try:
         for part in _PARTS:
             part.register()
@@ -52,8 +56,24 @@ def unregister() -> None:
     atexit.unregister(unregister)
     while _registered:
         _registered.pop().unregister()
+    worker.unregister()
     redraws.unregister()
     session.unregister()
+
+
+def _refuse_second_copy() -> None:
+    """Of two copies Blender would silently replace half of one by half of the other."""
+    import bpy
+
+    other = bpy.types.RenderEngine.bl_rna_get_subclass_py(engine.ENGINE)
+    if other is None or _registered:
+        return
+    home = str(other.__module__).rsplit(".", 1)[0]
+    where = getattr(sys.modules.get(home), "__file__", None) or "unknown place"
+    raise UserError(
+        f"another copy of Penumbra is switched on: {home} in {Path(where).parent}; switch one of them off "
+        "(Preferences > Add-ons, or pip uninstall penumbra) and start Blender again"
+    )
 
 
 def registered() -> bool:

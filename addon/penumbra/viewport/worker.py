@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
+import weakref
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -20,6 +21,9 @@ PATIENCE_S = 0.25
 it takes no longer than this: else nothing would be seen before the hand rests."""
 
 _LONGEST_WAIT_S = 2.0  # for the thread at the end
+_LONGEST_WAIT_AT_EXIT_S = 60.0  # a core at work hears within a second or a few that nobody waits for it any more
+
+_open: weakref.WeakSet[Worker[Any]] = weakref.WeakSet()
 
 A = TypeVar("A")
 
@@ -65,6 +69,7 @@ class Worker(Generic[A]):
         self._began = 0.0  # with the question that is worked on
         self._answered = False  # it has a first answer
         self._thread: threading.Thread | None = None
+        _open.add(self)
 
     # ------------------------------------------------------------------------------------ called by Blender's thread
 
@@ -108,14 +113,14 @@ class Worker(Generic[A]):
             self._problem = problem
             self._version += 1
 
-    def close(self) -> None:
+    def close(self, longest_wait_s: float = _LONGEST_WAIT_S) -> None:
         """Ends the thread and gives its renderer back; never raises, waits two seconds at most."""
         with self._changed:
             self._closed = True
             self._question = self._shown = None
             self._changed.notify()
         if self._thread is not None:
-            self._thread.join(_LONGEST_WAIT_S)
+            self._thread.join(longest_wait_s)
 
     # -------------------------------------------------------------------------------------------------- the thread
 
@@ -167,3 +172,9 @@ class Worker(Generic[A]):
                 return
             self._problem = problem
             self._version += 1
+
+
+def unregister() -> None:
+    """Closes all there are: Blender as a module waits for ever at its end for a thread that holds a renderer."""
+    for worker in list(_open):
+        worker.close(_LONGEST_WAIT_AT_EXIT_S)
