@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from image_files import choose_multilayer_exr
 
 
 def direct_diffuse(
@@ -41,8 +42,7 @@ def direct_diffuse(
     if not shadows:
         for obj in scene.objects:
             obj.visible_shadow = False
-    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
-    scene.render.image_settings.color_depth = "32"
+    choose_multilayer_exr(scene.render.image_settings)
     scene.render.use_compositing = False
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "direct")
@@ -58,12 +58,14 @@ def _read(path: Path, layer: str) -> tuple[npt.NDArray[np.float32], npt.NDArray[
         for part in image.parts:
             channels.update({name: channel.pixels for name, channel in part.channels.items()})
 
-    def pick(name: str) -> npt.NDArray[np.float32]:
-        for key in (f"{layer}.{name}", name):
-            if key in channels:
-                values: npt.NDArray[np.float32] = np.flipud(channels[key]).astype(np.float32)
-                return values
-        raise KeyError(f"{name} not among {sorted(channels)}")
+    def pick(channel: str, *names: str) -> npt.NDArray[np.float32]:
+        for name in names:
+            for key in (f"{layer}.{name}.{channel}", f"{name}.{channel}"):
+                if key in channels:
+                    values: npt.NDArray[np.float32] = np.flipud(channels[key]).astype(np.float32)
+                    return values
+        raise KeyError(f"{names} not among {sorted(channels)}")
 
-    rgb = np.stack([pick(f"DiffDir.{c}") for c in "RGB"], axis=-1)
-    return rgb, pick("IndexOB.X").round().astype(np.int32)
+    # The names up to 4.5, and from 5.0 on.
+    rgb = np.stack([pick(c, "DiffDir", "Diffuse Direct") for c in "RGB"], axis=-1)
+    return rgb, pick("X", "IndexOB", "Object Index").round().astype(np.int32)

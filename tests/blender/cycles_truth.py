@@ -70,8 +70,10 @@ def build(kit: Any, scene: str) -> None:
         obj.data.materials.append(white)
         obj.pass_index = index + 1
         # Cycles moves ray origins on smooth meshes to hide the shadow terminator; that is not the truth.
-        obj.shadow_terminator_geometry_offset = 0.0
-        obj.shadow_terminator_shading_offset = 0.0
+        if hasattr(obj, "shadow_terminator_geometry_offset"):
+            obj.shadow_terminator_geometry_offset = obj.shadow_terminator_shading_offset = 0.0
+        else:  # 4.2
+            obj.cycles.shadow_terminator_geometry_offset = obj.cycles.shadow_terminator_offset = 0.0
     kit.camera(at=(0.6, -5.2, 3.4), turn=(math.radians(60), 0, math.radians(6)), lens=42)
     kit.scene.render.resolution_x, kit.scene.render.resolution_y = SIZE
     bpy.context.view_layer.update()

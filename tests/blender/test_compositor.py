@@ -10,6 +10,7 @@ import numpy as np
 import OpenEXR
 import pytest
 from blender_kit import Kit
+from image_files import choose_multilayer_exr
 
 WIDTH, HEIGHT = 64, 32
 A, B = "shadow_map", "ray_traced"
@@ -55,10 +56,7 @@ def truth(scene: Kit, tmp_path: Path) -> dict[str, Any]:
     """V of A and B and the reference, from a multilayer file without any compositing."""
     layer = scene.scene.view_layers[0].penumbra
     layer.visibility, layer.use_reference = {A, B}, True
-    settings = scene.scene.render.image_settings
-    if hasattr(settings, "media_type"):
-        settings.media_type = "MULTI_LAYER_IMAGE"
-    settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+    choose_multilayer_exr(scene.scene.render.image_settings)
     scene.scene.render.filepath = str(tmp_path / "truth.exr")
     bpy.ops.render.render(write_still=True)
     found = planes(tmp_path / "truth.exr")

@@ -15,6 +15,7 @@ import OpenEXR
 import penumbra
 import pytest
 from blender_kit import Kit
+from image_files import choose_multilayer_exr
 
 WIDTH, HEIGHT = 48, 32
 
@@ -27,11 +28,7 @@ def small(kit: Kit, width: int = WIDTH, height: int = HEIGHT) -> None:
 
 def multilayer(kit: Kit, path: Path) -> dict[str, Any]:
     """Renders, saves every pass and reads it back: name to array, row 0 at the bottom."""
-    settings = kit.scene.render.image_settings
-    if hasattr(settings, "media_type"):  # 5.0 and newer
-        settings.media_type = "MULTI_LAYER_IMAGE"
-    settings.file_format = "OPEN_EXR_MULTILAYER"
-    settings.color_depth = "32"
+    choose_multilayer_exr(kit.scene.render.image_settings)
     kit.scene.render.filepath = str(path)
     assert bpy.ops.render.render(write_still=True) == {"FINISHED"}
     planes: dict[str, Any] = {}
