@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import itertools
+import os
 import shutil
 import subprocess
 import sys
@@ -243,3 +244,22 @@ def test_blender_ends_by_itself_after(act: str) -> None:
     ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
     assert "done" in ran.stdout, ran.stderr
     assert ran.returncode == 0, ran.stderr
+
+
+def test_the_command_line_renders_with_penumbra_whatever_engine_the_file_names(addon: Kit, tmp_path: Path) -> None:
+    """A farm without the add-on falls back to EEVEE without a word; ours needs no engine of Blender's."""
+    furnished(addon)
+    pictures = []
+    for engine in ("PENUMBRA", "BLENDER_WORKBENCH"):
+        addon.scene.render.engine = engine
+        blend, out = tmp_path / f"{engine}.blend", tmp_path / f"{engine}.png"
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
+        words = ["render", str(blend), "--technique", "shadow_map", "--out", str(out)]
+        folders = [str(Path(penumbra.__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+        ran = subprocess.run(
+            [sys.executable, "-m", "penumbra", *words], capture_output=True, text=True, timeout=120,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(folders)},
+        )  # fmt: skip
+        assert ran.returncode == 0, ran.stderr
+        pictures.append(out.read_bytes())
+    assert pictures[0] == pictures[1]
