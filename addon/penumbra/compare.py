@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import cache as caching
-from . import images, native, precision, sweep, verdict
+from . import environment, images, native, precision, sweep, verdict
 from .errors import UserError, sentence_of, unknown
 from .progress import Progress
 from .records import (
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 SEEDS = 4  # of a randomised technique, to tell its noise from its bias
 SWEEP_SEEDS = 2  # the fewest that give a variance
+TIMING_MEMORY = 2 << 30  # bytes
 
 # Estimated seconds, only for the progress bar.
 _REFERENCE_WORK, _IMAGE_WORK, _TIMING_WORK = 12.0, 0.5, 5.0
@@ -140,6 +141,25 @@ def jobs_of(info: dict[str, Any], settings: Settings, mode: str) -> Iterator[Job
     yield Job(info, settings)
     for change in sweep.steps(info, settings, mode):
         yield Job(info, settings | change, sweep.entry(change))
+
+
+def timing_memory() -> int:
+    """Bytes that what is timed together may keep: a full sweep keeps gigabytes."""
+    return min(TIMING_MEMORY, (environment.memory_bytes() or TIMING_MEMORY * 4) // 4)
+
+
+def groups(sizes: list[int], most: int) -> list[list[int]]:
+    """Indices in groups of at most `most` in all, each in the first that has room; what is larger is alone."""
+    made: list[list[int]] = []
+    room: list[int] = []
+    for index, size in enumerate(sizes):
+        place = next((k for k, left in enumerate(room) if size <= left), len(made))
+        if place == len(made):
+            made.append([])
+            room.append(most)
+        made[place].append(index)
+        room[place] -= size
+    return made
 
 
 def choose_lights(names: list[str], wanted: tuple[str, ...]) -> list[int]:
@@ -321,17 +341,22 @@ class Comparer:
         return _record(job, "failed", reason)
 
     def _times(self, done: list[tuple[int, Record, Job]], where: str) -> None:
-        """Times of all records of a light, interleaved so that drift of the machine hits all alike."""
-        if not done:
-            return
-        self._progress.stage(f"{where}: timing", _TIMING_WORK * len(done))
+        """Times of all records of a light, interleaved so that drift of the machine hits all alike.
+
+        What is interleaved lives at once: where all do not fit, they are timed in as few groups as do.
+        """
+        for group in groups([record.memory_bytes for _, record, _ in done], timing_memory()):
+            self._time_group([done[i] for i in group], where)
+
+    def _time_group(self, group: list[tuple[int, Record, Job]], where: str) -> None:
+        self._progress.stage(f"{where}: timing", _TIMING_WORK * len(group))
         try:
-            self._measure(done)
+            self._measure(group)
         except self._core.Cancelled:
             raise
         except self._core.Error:
             # One of them spoils the measurement of all: time each by itself to find it and to keep the others.
-            for entry in done:
+            for entry in group:
                 _, record, job = entry
                 try:
                     self._measure([entry])

@@ -122,3 +122,24 @@ def test_sizes_of_lights_are_full_widths(light: dict[str, Any], expected: tuple[
     shape, size, angle = describe_light(SimpleNamespace(**light))
     assert (shape, pytest.approx(size), angle) == expected
     assert np.all(np.isfinite(size))
+
+
+@pytest.mark.parametrize(
+    ("sizes", "expected"),
+    [
+        ([], []),
+        ([0, 0, 0], [[0, 1, 2]]),
+        ([4, 5, 1, 6, 0], [[0, 1, 2, 4], [3]]),
+        ([40, 1, 2], [[0], [1, 2]]),
+        ([1, 40, 2], [[0, 2], [1]]),
+        ([9, 9, 1, 1], [[0, 2], [1, 3]]),
+    ],
+)
+def test_what_is_timed_together_fits_into_memory(sizes: list[int], expected: list[list[int]]) -> None:
+    assert compare.groups(sizes, 10) == expected
+
+
+def test_a_quarter_of_the_memory_is_the_most_that_timing_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    for memory, most in ((64 << 30, 2 << 30), (4 << 30, 1 << 30), (0, 2 << 30)):
+        monkeypatch.setattr("penumbra.environment.memory_bytes", lambda memory=memory: memory)
+        assert compare.timing_memory() == most

@@ -121,6 +121,16 @@ def test_a_technique_that_fails_while_it_is_timed_does_not_spoil_the_others(core
     assert len(comparer.failures) == 1
 
 
+def test_what_does_not_fit_together_is_timed_all_the_same(
+    core: Any, renderer: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("penumbra.compare.TIMING_MEMORY", 1)
+    scene, comparer = compared(core, renderer)
+    assert comparer.failures == []
+    for record in scene.lights[0].records:
+        assert {"setup", "dynamic", "static", "view"} <= record.time_ms.keys()
+
+
 def test_a_light_without_a_reference_fails_all_its_records(core: Any, renderer: Any) -> None:
     scene, comparer = compared(core, Broken(renderer, core, "reference", ""))
     assert {record.status for record in scene.lights[0].records} == {"failed"}
