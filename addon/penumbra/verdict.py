@@ -11,6 +11,9 @@ from .records import Budget, LightResult, Pick, Record, Saving, Spread, word
 INTERVAL = 0.05
 """Width of a median's 95 % interval, as a share of it, at which the core stops measuring (TimingOptions)."""
 
+FEWEST_RUNS = 5
+"""Below, the whole range of the runs is no 95 % interval of their median."""
+
 BUDGETS = (0.1, 0.05, 0.02, 0.01, 1 / 255)
 """Headline errors that a report answers "who is cheapest?" for; the last is one step of an 8-bit picture."""
 
@@ -85,10 +88,12 @@ def _pick_sentence(light: LightResult, made: Pick, ties: list[str]) -> str:
     worth: list[str] = []
     for saving in made.savings:
         other = light.records[saving.record]
-        if _overlap(winner, other):
-            continue  # a tie: it saves nothing that the timing could tell
         share = _percent(saving.share)
-        if _percent(saving.low) != _percent(saving.high):
+        if _overlap(winner, other) or share == _percent(0.0):
+            continue  # a tie: it saves nothing that the timing could tell
+        if min(r.time_ms["dynamic"].runs for r in (winner, other)) < FEWEST_RUNS:
+            share = f"about {share}"
+        elif _percent(saving.low) != _percent(saving.high):
             share += f" ({100 * saving.low:.0f} to {_percent(saving.high)})"
         slower = settings if saving.against == "default" else f"the next best technique, {other.label()}"
         worth.append(f"{share} of {'that' if worth else 'the time'} of {slower}")
@@ -178,7 +183,7 @@ def sentences(light: LightResult, target: float | None) -> list[str]:
         said.append(picked.sentence if picked else f"No technique stays within the target of {target:g}.")
     noise = [i for i in indices if (records[i].area or {}).get("within_reference_noise")]
     if noise:
-        names = ", ".join(dict.fromkeys(records[i].label() for i in noise))
+        names = ", ".join(_grouped([records[i] for i in noise]))
         one = "differs" if len(noise) == 1 else "differ"
         said.append(f"{names} {one} from the reference by no more than the reference's own noise.")
     info = light.reference_info
@@ -188,6 +193,18 @@ def sentences(light: LightResult, target: float | None) -> list[str]:
             f"({info['standard_error_asked']:g})."
         )
     return said
+
+
+def _grouped(records: Sequence[Record]) -> list[str]:
+    """Their labels, or where a technique has many of them, its title and how many."""
+    by_title: dict[str, list[str]] = {}
+    for record in records:
+        by_title.setdefault(record.title, []).append(record.label())
+    return [
+        name
+        for title, labels in by_title.items()
+        for name in (labels if len(labels) <= 2 else [f"{title} ({len(labels)} settings)"])
+    ]
 
 
 def _tied(labels: list[str]) -> str:

@@ -107,6 +107,23 @@ def test_a_saving_that_the_timing_cannot_tell_is_not_claimed() -> None:
     assert "B cannot be told from it by time" in made.pick.sentence
 
 
+def test_a_saving_from_few_runs_is_told_as_about() -> None:
+    a, b = record("a", 0.04, 5.0, 0.0), record("b", 0.04, 10.0, 0.0)
+    b.time_ms["dynamic"].runs = 1
+    made = light(a, b, target=0.05)
+    assert made.pick is not None
+    assert "it saves about 50 % of the time of the next best technique, B" in made.pick.sentence
+
+
+def test_many_settings_within_the_references_noise_are_counted_and_not_listed() -> None:
+    made = light(record("b", 0.3, 1.0), *(step("a", 0.01, 5.0 + n, n) for n in (4, 8, 16)))
+    for item in made.records:
+        assert item.area is not None
+        item.area["within_reference_noise"] = True
+    told = verdict.sentences(made, None)
+    assert any(said.startswith("B, A (3 settings) differ from the reference") for said in told)
+
+
 def test_without_a_target_or_with_one_that_nobody_reaches_nothing_is_picked() -> None:
     assert light(record("a", 0.3, 1.0)).pick is None
     assert light(record("a", 0.3, 1.0), target=0.1).pick is None

@@ -13,12 +13,12 @@ from pathlib import PurePath, PureWindowsPath
 from typing import Any, Literal, TypeVar
 
 from ..records import LightResult, Record, SceneResult, Spread, Step
+from ..verdict import FEWEST_RUNS
 from .read import Report
 
 Call = Literal["same", "less", "more", "unknown"]
 """less: faster, or more accurate; unknown: too few runs to tell."""
 
-FEWEST_RUNS = 5  # below, the whole range of the runs is no 95 % interval
 FRAMES = ("dynamic", "static")
 _Z = 1.96
 _ROUNDING = 1e-6  # of V: what two compilers' arithmetic differs by

@@ -56,6 +56,7 @@ def page(comparison: Comparison, shown: list[ShownScene], plot_png: bytes) -> st
         together=everything,
         targets=comparison.targets,
         techniques=techniques,
+        means_of={mean.technique for target in comparison.targets for mean in target.means if mean.scenes},
         colours={technique: palette.colour(number) for technique, number in numbers.items()},
         style=style(),
         script=_text("report.js"),
