@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import gzip
+import io
 import math
 import os
 import re
@@ -63,7 +64,8 @@ def import_bpy() -> Any:
 def quiet() -> Iterator[Callable[[], str]]:
     """Catch what C and Python code print to the terminal; yields a function that returns the text afterwards.
 
-    Works on the file descriptors, because Blender's messages never pass through sys.stdout.
+    Works on the file descriptors, because most of Blender's messages never pass through sys.stdout, and on sys.stdout,
+    because those of operators do, and it may be another stream.
     """
     sys.stdout.flush()
     sys.stderr.flush()
@@ -75,14 +77,14 @@ def quiet() -> Iterator[Callable[[], str]]:
                 saved.append((descriptor, os.dup(descriptor)))
 
         printed: list[str] = []
+        told = io.StringIO()
         try:
             for descriptor, _ in saved:
                 os.dup2(sink.fileno(), descriptor)
-            yield lambda: "".join(printed)
+            with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+                yield lambda: "".join(printed)
         finally:
-            with contextlib.suppress(Exception):
-                sys.stdout.flush()
-                sys.stderr.flush()
+            printed.append(told.getvalue())
             _flush_c()
             size = os.fstat(sink.fileno()).st_size
             printed.append(os.pread(sink.fileno(), size, 0).decode("utf-8", "replace"))

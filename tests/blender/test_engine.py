@@ -352,3 +352,61 @@ def test_switching_on_does_not_load_the_compiled_core() -> None:
     script = "import sys, bpy, penumbra; penumbra.register(); assert 'penumbra_core' not in sys.modules"
     ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert ran.returncode == 0, ran.stderr
+
+
+def test_progress_rises_to_the_end_and_the_last_line_says_what_was_done(
+    addon: Kit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from penumbra import engine
+
+    edge_scene(addon)
+    addon.scene.penumbra.pixel_samples = 3
+    addon.scene.view_layers[0].penumbra.visibility = {"pcf"}
+    told: list[tuple[float, str]] = []
+    real = engine.PENUMBRA_RE_engine._tell
+
+    def tell(self: Any, share: float, text: str) -> None:
+        told.append((share, text))
+        real(self, share, text)
+
+    lines: list[str] = []
+    line_of = engine._statistics
+
+    def statistics(*given: Any) -> str:
+        lines.append(line_of(*given))
+        return lines[-1]
+
+    monkeypatch.setattr(engine.PENUMBRA_RE_engine, "_tell", tell)
+    monkeypatch.setattr(engine, "_statistics", statistics)
+    assert bpy.ops.render.render() == {"FINISHED"}
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares) and shares[0] < 0.2 and 0.8 < shares[-1] <= 1
+    assert {"what the camera sees", "Light: shadow_map", "Light: pcf"} <= {text for _, text in told}
+    (line,) = lines
+    *facts, seconds = line.split(" | ")
+    assert facts == ["shadow_map, 1 light", "4 triangles", "3 pixel samples"]
+    assert seconds.endswith(" s")
+
+
+def test_an_animation_changes_the_camera_at_each_marker(addon: Kit, tmp_path: Path) -> None:
+    edge_scene(addon)
+    scene = addon.scene
+    first = scene.camera
+    for frame, x in ((1, None), (2, 3.0), (3, -3.0)):
+        marker = scene.timeline_markers.new(f"cut {frame}", frame=frame)
+        look = {"type": "ORTHO", "ortho_scale": 2, "clip_start": 0.6, "clip_end": 10}
+        marker.camera = first if x is None else addon.camera(f"Camera {frame}", at=(x, 0, 1.5), **look)
+    scene.camera = first
+    scene.frame_start, scene.frame_end = 1, 4
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(tmp_path / "frame_####")
+    assert bpy.ops.render.render(animation=True) == {"FINISHED"}
+    lit = []
+    for frame in range(1, 5):
+        channels = OpenEXR.File(str(tmp_path / f"frame_{frame:04}.exr")).channels()
+        pixels = np.asarray(next(iter(channels.values())).pixels)
+        lit.append(float((pixels[..., 0] > 0).mean()))
+    assert 0.4 < lit[0] < 0.6, "half of it lies in the shadow"
+    assert lit[1] == 0, "all of it"
+    assert lit[2] == 1 and lit[3] == 1, "none of it; a marker serves until the next"
