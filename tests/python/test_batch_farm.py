@@ -158,7 +158,7 @@ def test_what_cannot_be_written_down_is_one_sentence(shot: Shot, says: str) -> N
 
 
 @pytest.mark.usefixtures("working_machine")
-def test_openjd_runs_one_task_and_the_summary(
+def test_openjd_runs_tasks_and_the_summary_which_fails_for_what_is_missing_and_what_is_too_wrong(
     openjd_program: str, penumbra: Run, moving: Path, environment: dict[str, str], tmp_path: Path
 ) -> None:
     out, path, program = tmp_path / "out", tmp_path / "job.yaml", tmp_path / "penumbra"
@@ -186,3 +186,15 @@ def test_openjd_runs_one_task_and_the_summary(
     summary = summary_of(out)
     assert [shot["id"] for shot in summary["shots"]] == ["moving/0003"]
     assert [failure["item"] for failure in summary["failures"]] == ["moving/0002"]
+    # With all of its tasks the job ends well; with a limit that is passed it does not.
+    task = run("--step", "moving", "--task-param", "Frame=2")
+    assert task.returncode == 0, task.stdout + task.stderr
+    last = run("--step", "Summary")
+    assert last.returncode == 0, last.stdout + last.stderr
+    assert finished(out) == ["moving/0002", "moving/0003"]
+    assert summary_of(out)["failures"] == []
+    gated = penumbra("batch", moving, "--frames=2-3", "--out", out, *OPTIONS, "--fail-rmse=0.0001", "--openjd", path)
+    assert gated.returncode == 0, gated.stderr
+    last = run("--step", "Summary")
+    assert last.returncode != 0
+    assert {shot["verdict"] for shot in summary_of(out)["shots"]} == {"fail"}
