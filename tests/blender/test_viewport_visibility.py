@@ -146,3 +146,17 @@ def test_what_only_redraws_a_viewport_is_noticed_when_it_draws(
     space.show_object_viewport_mesh = True
     assert len(read) == 2
     view.close()
+
+
+def test_a_viewport_that_hides_something_is_told_from_one_that_shows_all(kit: Kit, space: Any) -> None:
+    """The overlay, which has one scene for all viewports, says so where one hides something."""
+    assert not view_region.hides_something(None)
+    assert not view_region.hides_something(space)
+    space.show_object_viewport_light = False
+    assert view_region.hides_something(space)
+    space.show_object_viewport_light = True
+    enter_local_view("Floor")
+    assert view_region.hides_something(space)
+    enter_local_view()
+    space.use_local_collections = True
+    assert view_region.hides_something(space)

@@ -57,6 +57,12 @@ def own_choice(space: Any | None) -> tuple[Any, ...]:
     return (space.local_view is not None, bool(space.use_local_collections), types)
 
 
+def hides_something(space: Any | None) -> bool:
+    """True if a viewport may show less than its view layer."""
+    local, collections, types = own_choice(space) or (False, False, ())
+    return local or collections or not all(types)
+
+
 @functools.cache
 def _type_switches() -> tuple[str, ...]:
     import bpy

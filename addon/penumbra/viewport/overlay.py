@@ -318,7 +318,10 @@ def _draw_sides(context: Any, kept: _Region, shown: Compared, box: tuple[int, in
     lines = _figures(kept, shown, box)
     if shown.reference is None and {chosen.left, chosen.right} & {ERROR, ERROR_OTHER, REFERENCE}:
         lines.append("The truth is being traced ...")
-    draw_text([*lines, *shown.notes], left + 20.0, 40.0 + 1.4 * 13.0 * (len(lines) + len(shown.notes)))
+    lines += shown.notes
+    if view_region.hides_something(context.space_data):
+        lines.append("What this viewport alone hides is in these pictures")
+    draw_text(lines, left + 20.0, 40.0 + 1.4 * 13.0 * len(lines))
 
 
 def _figures(kept: _Region, shown: Compared, box: tuple[int, int, int, int]) -> list[str]:
