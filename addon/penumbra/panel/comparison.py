@@ -17,7 +17,7 @@ from ..report.html import format_bytes
 from .settings import draw_settings
 
 _COLUMNS = (("NAME", "Technique"), ("ERROR", "Error"), ("TIME", "Time"))
-_SPLITS = (0.46, 0.42)  # of the row: the name; of what is left: the error
+_SPLITS = (0.48, 0.5)  # of the row: the name; of what is left: the error
 _GALLERY_SCALE, _PLOT_SCALE = 5.0, 12.0
 _FEWEST_ROWS, _MOST_ROWS = 4, 14
 

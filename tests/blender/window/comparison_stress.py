@@ -35,6 +35,7 @@ SCENES = ("courtyard", "desk", "plaza")
 ROUNDS = 6  # each scene twice
 VIEWS = 34
 CHANGES = 2
+BORDER = 0.4  # of the viewport, which is enough to look at
 
 
 def running() -> bool:
@@ -85,6 +86,10 @@ def compare(answer: dict[str, Any]) -> None:
 def orbit(answer: dict[str, Any]) -> None:
     _, space, view = viewport_of()
     space.show_region_ui = True
+    space.overlay.show_overlays = space.show_gizmo = False
+    space.use_render_border = True
+    space.render_border_min_x = space.render_border_min_y = 0.0
+    space.render_border_max_x = space.render_border_max_y = BORDER
     space.shading.type = "RENDERED"
     view.view_perspective = "PERSP"
     for number in range(VIEWS):

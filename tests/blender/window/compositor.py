@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
-from in_window import install_from, open_example, picture, play, region_of, window
+from in_window import box_of, install_from, open_example, picture, play, region_of, window
 
 
 def editor() -> tuple[Any, Any]:
@@ -42,6 +42,7 @@ def fit(answer: dict[str, Any]) -> None:
     region_of(area, "UI").active_panel_category = "Penumbra"
     with bpy.context.temp_override(window=window(), area=area, region=region):
         bpy.ops.node.view_all()
+    answer["editor"] = box_of(region)
 
 
 def inside(answer: dict[str, Any]) -> None:

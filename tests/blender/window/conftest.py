@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,14 +48,14 @@ def window() -> Callable[..., dict[str, Any]]:
     if told.returncode:
         pytest.skip(told.stdout.strip())
 
-    def run(script: str, name: str, *files: Path) -> dict[str, Any]:
+    def run(script: str, name: str, *files: Path, words: Sequence[str] = ()) -> dict[str, Any]:
         folder = KEPT / name
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         for file in files:
             (folder / file.name).write_bytes(file.read_bytes())
         ran = subprocess.run(
-            [TOOL, "run", Path(__file__).parent / script, folder, *(f"/out/{file.name}" for file in files)],
+            [TOOL, "run", Path(__file__).parent / script, folder, *(f"/out/{file.name}" for file in files), *words],
             capture_output=True,
             text=True,
             env={"PENUMBRA_WINDOW_TIMEOUT": TIMEOUT_S} | os.environ,
@@ -117,18 +117,23 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def guide() -> Callable[..., Image.Image]:
-    """Makes a picture of the user guide from a part of a picture of the screen; @returns it."""
+    """Makes a picture of the user guide from parts of pictures of the screen, side by side; @returns it.
 
-    def make(picture: Path, name: str, box: list[int] | None = None) -> Image.Image:
-        image = Image.open(picture).convert("RGB")
-        if box is not None:
-            left, top, width, height = box
-            image = image.crop((left, top, left + width, top + height))
+    A part is a picture with its box in it: left, top, width, height.
+    """
+
+    def make(name: str, *parts: tuple[Path, Sequence[int]]) -> Image.Image:
+        cut = []
+        for picture, (left, top, width, height) in parts:
+            cut.append(Image.open(picture).convert("RGB").crop((left, top, left + width, top + height)))
+        whole = Image.new("RGB", (sum(part.width for part in cut), max(part.height for part in cut)))
+        for number, part in enumerate(cut):
+            whole.paste(part, (sum(before.width for before in cut[:number]), 0))
         folder = ROOT / "docs" / "images" if os.environ.get("PENUMBRA_GUIDE") == "1" else KEPT / "guide"
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"blender-{name}.png"
-        image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+        whole.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
         assert path.stat().st_size < LARGEST_PICTURE, path
-        return image
+        return whole
 
     return make

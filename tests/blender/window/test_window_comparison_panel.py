@@ -66,7 +66,7 @@ def test_blender_ends_by_itself_while_a_comparison_runs(answer: dict[str, Any]) 
     assert answer["left_running"], "and the fixture saw it end with code 0"
 
 
-def test_the_panel_draws_table_plot_and_thumbnails(answer: dict[str, Any]) -> None:
+def test_the_panel_draws_table_plot_and_thumbnails(answer: dict[str, Any], guide: Callable[..., Image.Image]) -> None:
     """The techniques' colours stand in the sidebar: dots of the table, marks of the plot, bars of the thumbnails."""
     from penumbra.report import palette
 
@@ -77,6 +77,7 @@ def test_the_panel_draws_table_plot_and_thumbnails(answer: dict[str, Any]) -> No
             code = np.array(list(bytes.fromhex(palette.colour(colour).lstrip("#"))))
             seen[colour] += int((np.abs(sidebar - code).max(axis=-1) < 12).sum())
     assert min(seen.values()) > 100, seen
+    guide("panel", *((answer["folder"] / f"scrolled_{number}.png", answer["sidebar"]) for number in (2, 3, 5)))
     before, midway = (screen(answer, name, "sidebar_before") for name in ("before", "midway"))
     assert not np.array_equal(before, midway), "the progress bar"
 

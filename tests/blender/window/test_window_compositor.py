@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 import OpenEXR
+from PIL import Image
 
 
 def test_one_click_wires_the_wipe_and_its_line_parts_two_techniques(
-    window: Callable[..., dict[str, Any]], packed: Path
+    window: Callable[..., dict[str, Any]], packed: Path, guide: Callable[..., Image.Image]
 ) -> None:
     answer = window("compositor.py", "compositor", packed)
     assert answer["added"] == ["FINISHED"]
@@ -20,6 +21,7 @@ def test_one_click_wires_the_wipe_and_its_line_parts_two_techniques(
         return np.asarray(OpenEXR.File(str(answer["folder"] / f"{name}.exr")).channels()["RGB"].pixels)
 
     a, b, wipe = still("a"), still("b"), still("wipe")
+    guide("compositor", (answer["folder"] / "nodes.png", answer["editor"]))
     half = wipe.shape[1] // 2
     assert np.array_equal(wipe[:, 1 : half - 1], a[:, 1 : half - 1])
     assert np.array_equal(wipe[:, half + 1 : -1], b[:, half + 1 : -1])

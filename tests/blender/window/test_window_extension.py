@@ -83,5 +83,5 @@ def test_the_preferences_tell_what_works_and_copy_it(answer: dict[str, Any], gui
         "report: all libraries present",
     ):
         assert any(what in line for line in lines), (what, lines)
-    picture = guide(answer["folder"] / "preferences.png", "preferences", answer["preferences_window"])
+    picture = guide("preferences", (answer["folder"] / "preferences.png", answer["preferences_window"]))
     assert np.asarray(picture, float).std() > 10

@@ -74,8 +74,8 @@ def test_the_guide_has_pictures_of_the_wipe_and_of_the_error(
     answer: dict[str, Any], guide: Callable[..., Image.Image]
 ) -> None:
     left, top, width, height = answer["region"]
-    guide(answer["folder"] / "on.png", "overlay", [left, top + 20, width, height - 20])
-    picture = np.asarray(guide(answer["folder"] / "error.png", "error", [left, top, width, height]), float)
+    guide("overlay", (answer["folder"] / "on.png", (left, top + 40, width, height - 80)))
+    picture = np.asarray(guide("error", (answer["folder"] / "error.png", (left, top, width, height))), float)
     # The legend stands clear of the sidebar, in all of its colours from black to bright.
     bar = picture[-48:-42, : answer["free"] - 24][:, -250:].mean(axis=0)
     assert bar[0].max() < 20 and bar[-1].min() > 140

@@ -66,7 +66,7 @@ def furnish(answer: dict[str, Any]) -> None:
 
 def where(answer: dict[str, Any], name: str) -> None:
     """Picture of the screen, and the pixels of the viewport's quarters in it (from the top left)."""
-    left, top, width, height = box_of(region_of(viewport_of()[0]))
+    left, top, width, height = answer["region"] = box_of(region_of(viewport_of()[0]))
     middle = top + height // 2
     answer[name] = {"left": [left + width // 4, middle], "right": [left + 3 * width // 4, middle]}
     take_picture(f"{name}.png")
