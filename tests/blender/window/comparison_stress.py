@@ -5,6 +5,7 @@ Arguments: the extension zip, or `control`: the same Blender doing the same with
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 import threading
@@ -50,6 +51,7 @@ def redraw(what: str = "DRAW_WIN_SWAP") -> None:
 def measured(step: Step) -> Step:
     """Notes how much memory there is after it."""
 
+    @functools.wraps(step)
     def play_and_measure(answer: dict[str, Any]) -> object:
         outcome = step(answer)
         answer.setdefault("after", []).append([step.__name__, round(resident_mb())])

@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
-from in_window import box_of, install_from, open_example, picture, play, region_of, window
+from in_window import box_of, install_from, open_example, picture, play, region_of, show_tab, window
 
 
 def editor() -> tuple[Any, Any]:
@@ -39,10 +39,11 @@ def add(answer: dict[str, Any]) -> None:
 
 def fit(answer: dict[str, Any]) -> None:
     area, region = editor()
-    region_of(area, "UI").active_panel_category = "Penumbra"
+    show_tab(area)
     with bpy.context.temp_override(window=window(), area=area, region=region):
         bpy.ops.node.view_all()
-    answer["editor"] = box_of(region)
+    left, top, width, height = box_of(region)
+    answer["editor"] = [left, top, area.width, height]  # with its sidebar
 
 
 def inside(answer: dict[str, Any]) -> None:

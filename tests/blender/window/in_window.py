@@ -42,22 +42,26 @@ def play(*steps: Step, pause_s: float = 0.6) -> None:
     answer: dict[str, Any] = {"blender": bpy.app.version_string, "background": bpy.app.background}
     waiting = list(steps)
     since = time.monotonic()
-    turns = 0
+    turns = turns_waited = 0
 
     def turn() -> float | None:
-        nonlocal since, turns
+        nonlocal since, turns, turns_waited
         turns += 1
         if turns < _TURNS:
             return pause_s / _TURNS
         turns = 0
         try:
             if waiting:
+                if turns_waited == 0:
+                    with (OUT / "steps.txt").open("a") as file:  # how far it came, if it does not come to its end
+                        file.write(f"{time.strftime('%X')} {getattr(waiting[0], '__name__', '')}\n")
+                turns_waited += 1
                 if waiting[0](answer) == NOT_YET:
                     if time.monotonic() - since > _LONGEST_WAIT_S:
                         raise TimeoutError(f"{waiting[0].__name__}, step {len(steps) - len(waiting)}, waited in vain")
                 else:
                     waiting.pop(0)
-                    since = time.monotonic()
+                    since, turns_waited = time.monotonic(), 0
                 return pause_s / _TURNS
         except Exception:
             answer["error"] = traceback.format_exc()

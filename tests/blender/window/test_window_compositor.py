@@ -21,7 +21,8 @@ def test_one_click_wires_the_wipe_and_its_line_parts_two_techniques(
         return np.asarray(OpenEXR.File(str(answer["folder"] / f"{name}.exr")).channels()["RGB"].pixels)
 
     a, b, wipe = still("a"), still("b"), still("wipe")
-    guide("compositor", (answer["folder"] / "nodes.png", answer["editor"]))
+    left, top, width, height = answer["editor"]
+    guide("compositor", (answer["folder"] / "nodes.png", (left, top, width, 2 * height // 3)))
     half = wipe.shape[1] // 2
     assert np.array_equal(wipe[:, 1 : half - 1], a[:, 1 : half - 1])
     assert np.array_equal(wipe[:, half + 1 : -1], b[:, half + 1 : -1])

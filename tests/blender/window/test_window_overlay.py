@@ -78,15 +78,15 @@ def test_the_guide_has_pictures_of_the_wipe_and_of_the_error(
     picture = np.asarray(guide("error", (answer["folder"] / "error.png", (left, top, width, height))), float)
     # The legend stands clear of the sidebar, in all of its colours from black to bright.
     bar = picture[-48:-42, : answer["free"] - 24][:, -250:].mean(axis=0)
-    assert bar[0].max() < 20 and bar[-1].min() > 140
+    assert bar[0].max() < 40 and bar[-1].min() > 140
     assert np.diff(bar.sum(axis=1)).min() > -12, "ever brighter"
 
 
 def test_the_figures_under_the_cursor_are_those_of_the_pixel(answer: dict[str, Any]) -> None:
     figures = answer["figures"]
     _, _, width, height = answer["region"]
-    assert answer["cursor"] == pytest.approx([width // 3, height // 3], abs=1)
-    assert 0 <= figures["truth"] <= 1
+    assert answer["cursor"] == pytest.approx([0.356 * width, 0.449 * height], abs=1)
+    assert 0.05 < figures["truth"] < 0.95, "amid a penumbra"
     assert figures["A - truth"] == pytest.approx(figures["A"] - figures["truth"])
 
 
