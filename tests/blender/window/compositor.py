@@ -42,7 +42,7 @@ def fit(answer: dict[str, Any]) -> None:
     show_tab(area)
     with bpy.context.temp_override(window=window(), area=area, region=region):
         bpy.ops.node.view_all()
-    left, top, width, height = box_of(region)
+    left, top, _, height = box_of(region)
     answer["editor"] = [left, top, area.width, height]  # with its sidebar
 
 
