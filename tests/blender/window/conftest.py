@@ -132,8 +132,11 @@ def guide() -> Callable[..., Image.Image]:
         folder = ROOT / "docs" / "images" if os.environ.get("PENUMBRA_GUIDE") == "1" else KEPT / "guide"
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"blender-{name}.png"
-        whole.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
-        assert path.stat().st_size < LARGEST_PICTURE, path
-        return whole
+        shown = whole
+        while True:
+            shown.save(path, optimize=True)
+            if path.stat().st_size < LARGEST_PICTURE:
+                return whole
+            shown = whole.resize((shown.width * 9 // 10, shown.height * 9 // 10), Image.Resampling.LANCZOS)
 
     return make
