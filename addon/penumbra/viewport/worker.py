@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 from .. import errors, native, picture
 from ..progress import ToldProgress
 
-PATIENCE_S = 0.25
+PATIENCE_S = 0.5
 """While a view turns, a newer question comes with every drawing. A first answer to an older one is made all the same if
 it takes no longer than this: else nothing would be seen before the hand rests."""
 

@@ -1,5 +1,5 @@
 """Inside Blender's window, without network: the whole extension installed by Blender's command line, used from there
-and in the window, switched on and off again and again, reloaded; its preferences.
+and in the window, switched on and off again and again, reloaded.
 
 Arguments: the extension zip.
 """
@@ -28,11 +28,9 @@ from in_window import (
     overlay_ready,
     play,
     resident_mb,
-    take_picture,
     threads_gone,
     viewport_of,
     viewports_ready,
-    window,
 )
 
 ZIP = sys.argv[-1]
@@ -65,7 +63,9 @@ def remains() -> dict[str, Any]:
     handlers = [function for each in lists if isinstance(each, list) for function in each]
     keys = bpy.context.window_manager.keyconfigs.addon.keymaps
     owners = (bpy.types.Scene, bpy.types.ViewLayer, bpy.types.WindowManager, bpy.types.Object, bpy.types.Light)
+    engines = [each for each in bpy.types.RenderEngine.__subclasses__() if each.__module__.startswith(PACKAGE)]
     return {
+        "engines": [engine.bl_idname for engine in engines if engine.is_registered],
         "types": [name for name in dir(bpy.types) if "penumbra" in name.lower()],
         "properties": [
             f"{owner.__name__}.{name}"
@@ -130,27 +130,6 @@ def reload(answer: dict[str, Any]) -> None:
     answer["reloaded"] = remains()
 
 
-def show_preferences(answer: dict[str, Any]) -> None:
-    bpy.context.preferences.view.ui_scale = 1.0
-    bpy.ops.preferences.addon_show(module=PACKAGE)
-    answer["windows"] = len(bpy.context.window_manager.windows)
-
-
-def examine(answer: dict[str, Any]) -> None:
-    answer["examined"] = sorted(bpy.ops.penumbra.examine())
-    answer["copied"] = sorted(bpy.ops.penumbra.copy_examination())
-    answer["clipboard"] = bpy.context.window_manager.clipboard
-    other = bpy.context.window_manager.windows[-1]
-    for area in other.screen.areas:
-        area.tag_redraw()
-
-
-def preferences(answer: dict[str, Any]) -> None:
-    other = bpy.context.window_manager.windows[-1]
-    answer["preferences_window"] = [other.x, window().height - other.y - other.height, other.width, other.height]
-    take_picture("preferences.png")
-
-
 each_round = (switch_on, use, viewports_ready, overlay, overlay_ready, switch_off, threads_gone, look)
 play(
     before,
@@ -161,5 +140,5 @@ play(
     *command("compare", "--background", SCENE, "--command", "penumbra", "compare", "--techniques", "shadow_map,pcf",
              "--size", "96x54", "--reference-error", "0.05", "--out", f"{OUT}/compare"),
     open_example("courtyard"), install_from(ZIP), off_again, *(each_round * ROUNDS), switch_on, reload, use,
-    viewports_ready, show_preferences, examine, preferences,
+    viewports_ready,
 )  # fmt: skip
