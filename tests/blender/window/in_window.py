@@ -42,26 +42,22 @@ def play(*steps: Step, pause_s: float = 0.6) -> None:
     answer: dict[str, Any] = {"blender": bpy.app.version_string, "background": bpy.app.background}
     waiting = list(steps)
     since = time.monotonic()
-    turns = turns_waited = 0
+    turns = 0
 
     def turn() -> float | None:
-        nonlocal since, turns, turns_waited
+        nonlocal since, turns
         turns += 1
         if turns < _TURNS:
             return pause_s / _TURNS
         turns = 0
         try:
             if waiting:
-                if turns_waited == 0:
-                    with (OUT / "steps.txt").open("a") as file:  # how far it came, if it does not come to its end
-                        file.write(f"{time.strftime('%X')} {getattr(waiting[0], '__name__', '')}\n")
-                turns_waited += 1
                 if waiting[0](answer) == NOT_YET:
                     if time.monotonic() - since > _LONGEST_WAIT_S:
                         raise TimeoutError(f"{waiting[0].__name__}, step {len(steps) - len(waiting)}, waited in vain")
                 else:
-                    waiting.pop(0)
-                    since, turns_waited = time.monotonic(), 0
+                    _note(waiting.pop(0), answer)
+                    since = time.monotonic()
                 return pause_s / _TURNS
         except Exception:
             answer["error"] = traceback.format_exc()
@@ -71,6 +67,13 @@ def play(*steps: Step, pause_s: float = 0.6) -> None:
         return None
 
     bpy.app.timers.register(turn, first_interval=pause_s, persistent=True)  # a step may open a file
+
+
+def _note(step: Step, answer: dict[str, Any]) -> None:
+    """How far it came, for whoever waits, or where it does not come to its end."""
+    with (OUT / "steps.txt").open("a") as file:
+        memory = answer.get("resident_mb", [""])[-1]
+        file.write(f"{time.strftime('%X')} {getattr(step, '__name__', '')} {memory}\n")
 
 
 def in_every_turn(script: Callable[[dict[str, Any]], Iterator[None]]) -> Step:
