@@ -28,7 +28,9 @@ def _setting(technique: str, setting: dict[str, Any]) -> str:
         allowed = f"{setting['minimum']:g} to {setting['maximum']:g}"
         default = f"{default:g}" if isinstance(default, float) else default
     unit = f" {setting['unit']}" if setting["unit"] else ""
-    return f"{technique}.{setting['id']}={default}  ({allowed}{unit}) {setting['help']}"
+    sweep = ", ".join(str(value) for value in setting["sweep"])
+    tried = f" A sweep tries {sweep}." if sweep else ""
+    return f"{technique}.{setting['id']}={default}  ({allowed}{unit}) {setting['help']}{tried}"
 
 
 def rules_text(rules: list[dict[str, Any]]) -> str:

@@ -18,7 +18,8 @@ from .records import Comparison, LightResult, Record, SceneResult, Spread, headl
 _LEAST_MS = 1e-6  # a logarithm has no zero
 _ERRORS = ("rmse", "leak", "over_darkening")
 
-Mean = Callable[[Sequence[Spread]], Spread]
+Frames = Callable[[Sequence[Spread]], Spread]
+"""One time for several: added() or geometric_mean()."""
 
 
 def summarise(comparison: Comparison, target: float | None) -> None:
@@ -41,7 +42,7 @@ def _lights(scene: SceneResult) -> list[LightResult]:
     return [light for light in scene.lights if light.comparable()]
 
 
-def _judged(lights: Sequence[LightResult], name: str, mean: Mean, target: float | None) -> LightResult | None:
+def _judged(lights: Sequence[LightResult], name: str, mean: Frames, target: float | None) -> LightResult | None:
     if len(lights) < 2:
         return None
     made = combine(lights, name, mean)
@@ -57,7 +58,7 @@ def _judged(lights: Sequence[LightResult], name: str, mean: Mean, target: float 
     return made
 
 
-def combine(lights: Sequence[LightResult], name: str, mean: Mean) -> LightResult:
+def combine(lights: Sequence[LightResult], name: str, mean: Frames) -> LightResult:
     """One record for each technique and settings that all lights have a figure of: largest errors, times by `mean`."""
     tables = [{key_of(light.records[i]): light.records[i] for i in light.comparable()} for light in lights]
     shared = [key for key in tables[0] if all(key in table for table in tables)]
@@ -74,7 +75,7 @@ def _absent(lights: Sequence[LightResult], made: LightResult) -> list[str]:
     return [title for technique, title in titles.items() if all(r.technique != technique for r in made.records)]
 
 
-def _combined(records: Sequence[Record], mean: Mean) -> Record:
+def _combined(records: Sequence[Record], mean: Frames) -> Record:
     first = records[0]
     worst = max(records, key=lambda record: record.headline)
     flips = [record.flip for record in records if record.flip is not None]

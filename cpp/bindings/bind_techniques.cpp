@@ -25,7 +25,7 @@ py::dict describe_setting(const SettingInfo& info) {
     for (const SettingValue& value : info.sweep) {
         sweep.append(to_python(value));
     }
-    py::dict when;
+    const py::dict when;
     if (!info.sweep_when.setting.empty()) {
         when[py::str(info.sweep_when.setting)] = info.sweep_when.value;
     }

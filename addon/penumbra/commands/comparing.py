@@ -141,6 +141,8 @@ def _tell(light: Any) -> None:
 
 def _conclude(comparison: Any, page: Path, arguments: argparse.Namespace) -> int:
     """Prints what came out, and returns the exit code."""
+    from .. import verdict
+
     for scene in comparison.scenes:
         for light in scene.lights:
             print(f"{scene.name}, {light.name} ({light.shape})")
@@ -154,6 +156,9 @@ def _conclude(comparison: Any, page: Path, arguments: argparse.Namespace) -> int
                 else:
                     print(f"  {record.technique:<20} {record.status}: {record.reason}")
             _tell(light)
+            count, tight = verdict.medians(light)
+            if tight < count:
+                print(f"  {verdict.timing_sentence(light)}")
         if scene.together is not None:
             print(scene.together.name)
             _tell(scene.together)

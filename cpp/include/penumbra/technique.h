@@ -25,7 +25,7 @@ struct TechniqueInfo {
     bool on_cpu = false;      ///< makes no use of OpenGL beyond the view
     std::vector<LightKind> lights;
     std::vector<SettingInfo> settings;
-    std::string knob{};  ///< the swept setting that trades error for time the most; empty: the technique has none
+    std::string knob;  ///< the swept setting that trades error for time the most; empty: the technique has none
 };
 
 /// An ordinary no: why this technique cannot serve this light, or empty for yes.

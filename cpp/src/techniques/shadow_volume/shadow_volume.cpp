@@ -19,6 +19,7 @@ const TechniqueInfo& ShadowVolume::description() {
         .on_cpu = false,
         .lights = all_light_kinds(),
         .settings = volume_settings(),
+        .knob = "",
     };
     return info;
 }
