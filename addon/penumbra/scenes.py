@@ -51,7 +51,8 @@ def import_bpy() -> Any:
     try:
         import bpy
     except ImportError as error:
-        if getattr(error, "name", None) == "bpy":
+        # Where one of its libraries does not load, the error names the module, too.
+        if isinstance(error, ModuleNotFoundError) and error.name == "bpy":
             raise SceneError("Blender's Python module is not installed; run: pip install 'penumbra[bpy]'") from error
         raise SceneError(f"Blender's Python module is installed but does not load: {error}") from error
     if compat.too_old(bpy.app.version):

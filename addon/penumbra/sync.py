@@ -74,7 +74,8 @@ class SceneSync:
         assert reader is not None
         moved: list[tuple[int, Any]] = []
         lit: dict[str, Any] = {}
-        lights_data = set()
+        lights_data: dict[int, Any] = {}
+        trees = set()
         for update in depsgraph.updates:
             kind = update.id.bl_rna.identifier
             if kind == "Object":
@@ -86,9 +87,14 @@ class SceneSync:
                 elif place is not None:
                     moved.append((place, update.id))
             elif "Light" in kind and "Probe" not in kind:
-                lights_data.add(update.id.original.session_uid)
+                lights_data[update.id.original.session_uid] = update.id.original
+            elif "NodeTree" in kind:
+                trees.add(update.id.original.as_pointer())
             elif kind not in _UNSEEN or update.is_updated_geometry:
                 return False
+        # Lights are read with their nodes; what else has nodes is read with everything.
+        if trees - {light.node_tree.as_pointer() for light in lights_data.values() if light.node_tree}:
+            return False
         if lights_data:
             for obj in depsgraph.objects:
                 if obj.type == "LIGHT" and obj.data.original.session_uid in lights_data:

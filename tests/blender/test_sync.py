@@ -82,6 +82,24 @@ def test_a_moved_or_changed_light_keeps_the_rest(kit: Kit) -> None:
     follower.follow(full=False)
 
 
+def test_nodes_of_a_light_are_the_lights_and_those_of_a_material_are_not(kit: Kit) -> None:
+    follower = furnished(kit)
+    light = bpy.data.lights["Key"]
+    if bpy.app.version < (5, 1, 0):
+        light.use_nodes = True
+    follower.export = follower.sync.update(follower.depsgraph())
+    bpy.context.view_layer.update()
+    emission = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
+    before = follower.export.scene.digest()
+    emission.inputs["Color"].default_value = (1.0, 0.5, 0.25, 1.0)
+    assert follower.follow(full=False).scene.digest() != before
+    bpy.data.objects["Box"].data.materials.append(kit.material("Red", "ShaderNodeBsdfDiffuse", Color=(1, 0, 0, 1)))
+    follower.follow(full=True)
+    light.energy = 77
+    bpy.data.materials["Red"].node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = (0, 1, 0, 1)
+    follower.follow(full=True)
+
+
 def test_a_light_that_goes_out_is_gone(kit: Kit) -> None:
     follower = furnished(kit)
     bpy.data.lights["Fill"].energy = 0
