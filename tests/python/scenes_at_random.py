@@ -20,10 +20,10 @@ _COMMON: dict[str, Any] = {
     "deadline": None,  # compiling a shader takes as long as a hundred examples
     "suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture],
 }
-settings.register_profile("ci", derandomize=True, database=None, max_examples=8, **_COMMON)
+settings.register_profile("ci", derandomize=True, database=None, max_examples=5, **_COMMON)
 settings.register_profile("deep", max_examples=3000, print_blob=True, **_COMMON)
 settings.load_profile(os.environ.get("PENUMBRA_PROPERTIES", "ci"))
-many = settings(max_examples=5 * settings().max_examples)
+many = settings(max_examples=8 * settings().max_examples)
 """For what renders nothing."""
 
 T = TypeVar("T")

@@ -137,7 +137,10 @@ void LayerBound::fill(const Face& face, std::span<const glm::dvec2> polygon) {
         bottom = std::min(bottom, p[i].y);
         top = std::max(top, p[i].y);
     }
-    const auto cell = [&](double at) { return std::clamp(static_cast<int>(std::floor(at)), 0, cells_ - 1); };
+    // Flat casters make cells of no size, and coordinates that no integer holds.
+    const auto cell = [&](double at) {
+        return at > 0.0 ? static_cast<int>(std::min(std::floor(at), cells_ - 1.0)) : 0;
+    };
     for (int row = cell(bottom - kSlack); row <= cell(top + kSlack); ++row) {
         // The polygon's width within the row.
         double left = std::numeric_limits<double>::infinity();

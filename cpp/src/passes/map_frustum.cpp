@@ -265,7 +265,8 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         MapFace face;
         face.name = kFaceNames[i];
         face.ls_from_world = rotation[i];
-        if (extent[i].empty()) {
+        face.for_nothing = extent[i].empty();
+        if (face.for_nothing) {
             extent[i].add({-1.0, -1.0}, 1.0);
             extent[i].add({1.0, 1.0}, 1.0);
         }

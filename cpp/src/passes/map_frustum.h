@@ -20,6 +20,7 @@ struct MapFace {
     double far_m = 0.0;                  ///< orthographic: z_ls of the window depth 0; perspective: infinite
     double farthest_m = 0.0;             ///< z_ls of the deepest receiver
     std::vector<std::uint32_t> casters;  ///< positions in LightSummary::casters that may fall into this face
+    bool for_nothing = false;            ///< no visible receiver lies in it; kept where everything is
 };
 
 /// All faces needed from one light point, and what was left out.

@@ -1,6 +1,6 @@
 // Hard shadow first, then what the penumbra map holds at the same texel [P 2.6].
 // SIDES_BOTH: inside the hard shadow the light that passes the nearest edge. GATHER: four texels, each with its own
-// comparison, blended bilinearly. PACKED: depth and penumbra in one texture.
+// comparison, blended bilinearly. PACKED: depth and penumbra in one texture. SOFT 0: no penumbra is wide enough for a map.
 #include "lib/map_lookup.glsl"
 #include "lib/bias.glsl"
 #include "lib/receiver.glsl"
@@ -10,7 +10,7 @@ layout(binding = 2) uniform sampler2DArray depth_map;  // PACKED: both
 #if BIAS_MODE == 6
 layout(binding = 3) uniform sampler2DArray second_map;
 #endif
-#if !PACKED
+#if SOFT && !PACKED
 layout(binding = 4) uniform sampler2DArray penumbra_map;
 #endif
 
@@ -63,7 +63,9 @@ float inside_shadow(HardLookup look) {
 layout(location = 0) out float visibility;
 
 float penumbra_at(ivec2 texel, int layer) {
-#if PACKED
+#if !SOFT
+    return 1.0;
+#elif PACKED
     return texelFetch(depth_map, ivec3(texel, layer), 0).g;
 #else
     return texelFetch(penumbra_map, ivec3(texel, layer), 0).r;

@@ -260,10 +260,15 @@ Defines PenumbraMaps::drawing_defines() const {
 }
 
 const Program& PenumbraMaps::lookup(Frame& frame) const {
-    if (!soft_) {
+    if (!soft_ && !options_.gather) {
         return map_.lookup(frame, "techniques/shadow_map/shadow_map.frag");
     }
+    if (!soft_) {
+        return map_.lookup(frame, "techniques/penumbra_maps/lookup.frag",
+                           {{"SOFT", "0"}, {"GATHER", "1"}, {"PACKED", "0"}, {"SIDES_BOTH", "0"}});
+    }
     Defines more = shape_defines();
+    more.push_back({"SOFT", "1"});
     more.push_back({"GATHER", options_.gather ? "1" : "0"});
     more.push_back({"PACKED", options_.packed ? "1" : "0"});
     if (options_.both_sides) {

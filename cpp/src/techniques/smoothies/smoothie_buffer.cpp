@@ -39,7 +39,9 @@ double largest_half_width(const Light& light) {
 double plain_width_ip(const MapFrustum& frustum, double t) noexcept {
     double widest = 0.0;
     for (const MapFace& face : frustum.faces) {
-        widest = std::max({widest, face.high.x - face.low.x, face.high.y - face.low.y});
+        if (!face.for_nothing) {  // or the width would tell whether anything was left out
+            widest = std::max({widest, face.high.x - face.low.x, face.high.y - face.low.y});
+        }
     }
     return 0.5 * t * widest;
 }
