@@ -14,6 +14,7 @@
 #include "reference/receivers.h"
 #include "reference/sampling.h"
 #include "reference/scrambled_net.h"
+#include "reference/shared_fit.h"
 #include "reference/strata_board.h"
 #include "reference/tile_tracer.h"
 #include "reference/visibility_tracer.h"
@@ -27,6 +28,10 @@ constexpr std::uint32_t kBoardStream = 4;
 constexpr std::uint32_t kFineStream = 5;
 constexpr int kTilesPerPiece = 4;
 constexpr int kOpenRadius = 2;  // pixels
+/// Of V, per pixel: the penumbra is narrower than seven pixels, and its ends bend the plane.
+constexpr float kSteep = 0.15F;
+/// Of the noise of n first rays in a penumbra, 0.37 n^-0.75: more scatter around the plane is no noise.
+constexpr double kScatter = 1.15;
 
 /// Calls work(tracer, receivers) for every tile that has listed pixels.
 template <class Work>
@@ -101,14 +106,16 @@ public:
         MaskedTraceCounts counts;
         counts.pixels = static_cast<std::uint64_t>(std::ranges::count(listed_, 1));
         const int first = points_.single_point() ? 1 : std::min(options_.rays, options_.first_rays);
+        interleaved_ = options_.share > 0;
         trace_all(listed_, first, kFirstStream, visibility);
-        if (!points_.single_point() && options_.rays > options_.first_rays) {
-            std::vector<std::uint8_t> open(listed_.size(), 0);
-            for (std::size_t i = 0; i < open.size(); ++i) {
-                open[i] = listed_[i] != 0 && open_around(view_, visibility, i) ? 1 : 0;
-            }
+        interleaved_ = false;
+        if (!points_.single_point() && (options_.share > 0 || options_.rays > options_.first_rays)) {
+            const std::vector<std::uint8_t> open =
+                options_.share > 0 ? share_first_rays(visibility) : open_pixels(visibility);
             counts.full_pixels = static_cast<std::uint64_t>(std::ranges::count(open, 1));
-            if (options_.rays < 2 * kBoardStrata) {
+            if (options_.rays <= options_.first_rays) {
+                counts.full_pixels = 0;
+            } else if (options_.rays < 2 * kBoardStrata) {
                 trace_all(open, options_.rays, kBoardStream, visibility);
             } else {
                 fill_boards(open, visibility);
@@ -136,6 +143,15 @@ private:
         void start(std::uint32_t pixel) noexcept {
             if (net_) {
                 points_ = ScrambledNet{bits_, sequence_key(pixel, mix(base_))};
+            }
+        }
+        /// So that the nets of the pixels of a 4 x 4 block are shifted by all multiples of a quarter of the light.
+        void start(std::uint32_t pixel, std::uint32_t width) noexcept {
+            if (net_) {
+                constexpr std::uint32_t kQuarters = 0xC000C000U;
+                const std::uint32_t place = (pixel % width & 3U) << 14U | (pixel / width & 3U) << 30U;
+                const std::uint32_t key = sequence_key(pixel, mix(base_)) & ~kQuarters;
+                points_ = ScrambledNet{bits_, key | ((place ^ mix(base_ + 1U)) & kQuarters)};
             }
         }
         [[nodiscard]] const ScrambledNet& points() const noexcept { return points_; }
@@ -179,7 +195,10 @@ private:
                       int receiver = 0;
                       int k = 0;
                       std::size_t told = 0;
-                      at.start(receivers.pixel(0));
+                      const auto start = [&](std::uint32_t pixel) {
+                          interleaved_ ? at.start(pixel, static_cast<std::uint32_t>(view_.width)) : at.start(pixel);
+                      };
+                      start(receivers.pixel(0));
                       tracer.trace_cells(
                           receivers,
                           [&](CellRay& ray) {
@@ -191,7 +210,7 @@ private:
                               if (++k == count) {
                                   k = 0;
                                   if (++receiver < receivers.count()) {
-                                      at.start(receivers.pixel(receiver));
+                                      start(receivers.pixel(receiver));
                                   }
                               }
                               return true;
@@ -203,6 +222,37 @@ private:
                       }
                       rays_cast_ += seen.size();
                   });
+    }
+
+    [[nodiscard]] std::vector<std::uint8_t> open_pixels(std::span<const float> visibility) const {
+        std::vector<std::uint8_t> open(listed_.size(), 0);
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            open[i] = listed_[i] != 0 && open_around(view_, visibility, i) ? 1 : 0;
+        }
+        return open;
+    }
+
+    /// @return 1 where the penumbra is too narrow for it
+    std::vector<std::uint8_t> share_first_rays(std::span<float> visibility) {
+        std::vector<std::uint8_t> open(listed_.size(), 0);
+        const std::vector<float> found(visibility.begin(), visibility.end());
+        const auto noise = static_cast<float>(kScatter * 0.37 * std::pow(options_.first_rays, -0.75));
+        parallel_for(
+            view_.height, 8,
+            [&](std::int64_t begin, std::int64_t end) {
+                control_.check();
+                const auto width = static_cast<std::size_t>(view_.width);
+                for (std::size_t i = static_cast<std::size_t>(begin) * width; i < static_cast<std::size_t>(end) * width;
+                     ++i) {
+                    if (listed_[i] != 0) {
+                        const SharedFit fit = fit_around(view_, found, i, options_.share);
+                        visibility[i] = fit.visibility;
+                        open[i] = fit.slope > kSteep || fit.scatter > noise ? 1 : 0;
+                    }
+                }
+            },
+            control_);
+        return open;
     }
 
     /// Step 2.
@@ -316,6 +366,7 @@ private:
     LightPoints points_;
     std::vector<Board> boards_;
     std::atomic<std::uint64_t> rays_cast_{0};
+    bool interleaved_ = false;  ///< first rays that will be shared
 };
 
 }  // namespace
@@ -324,7 +375,7 @@ MaskedTraceCounts trace_masked(const RayScene& rays, const View& view, const Lig
                                std::span<const std::uint8_t> listed, const MaskedTraceOptions& options,
                                std::span<float> visibility, Control& control) {
     PENUMBRA_ASSERT(listed.size() == view.size() && visibility.size() == view.size());
-    PENUMBRA_ASSERT(options.rays >= 1 && options.first_rays >= 1);
+    PENUMBRA_ASSERT(options.rays >= 1 && options.first_rays >= 1 && options.share >= 0);
     return MaskedTrace{rays, view, light, listed, options, control}.run(visibility);
 }
 

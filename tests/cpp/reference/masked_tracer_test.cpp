@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "reference/scrambled_net.h"
+#include "reference/shared_fit.h"
 #include "reference/strata_board.h"
 #include "test_scenes.h"
 
@@ -54,6 +55,14 @@ View ramp(int rows) {
 
 double ramp_v(std::size_t pixel) {
     return std::clamp(-0.5 + 2.0 * (static_cast<double>(pixel % kWidth) + 0.5) / kWidth, 0.0, 1.0);
+}
+
+double rms_on_ramp(const std::vector<float>& v) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        sum += (v[i] - ramp_v(i)) * (v[i] - ramp_v(i));
+    }
+    return std::sqrt(sum / static_cast<double>(v.size()));
 }
 
 // --- points ----------------------------------------------------------------------------------------------------
@@ -158,14 +167,82 @@ TEST(MaskedTracer, ErrorFallsAtLeastAsJitteredSamplesDo) {
     double before = 1.0;
     for (const int rays : {16, 64, 256, 1024}) {
         const std::vector<float> v = trace(scene, light, view, {.rays = rays, .first_rays = 16});
-        double sum = 0.0;
-        for (std::size_t i = 0; i < v.size(); ++i) {
-            sum += (v[i] - ramp_v(i)) * (v[i] - ramp_v(i));
-        }
-        const double rms = std::sqrt(sum / static_cast<double>(v.size()));
+        const double rms = rms_on_ramp(v);
         EXPECT_LT(rms, 0.41 * std::pow(rays, -0.75)) << rays;
         EXPECT_LT(rms, 0.6 * before);
         before = rms;
+    }
+}
+
+TEST(SharedFit, IsExactWhereVIsLinearAlsoAtTheEndOfASurface) {
+    View view = ramp(9);
+    std::vector<float> v(view.size());
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        v[i] = 0.1F + 0.01F * static_cast<float>(i % kWidth) + 0.02F * static_cast<float>(i / kWidth);
+    }
+    for (const std::size_t pixel : {std::size_t{0}, std::size_t{4 * kWidth + 20}, std::size_t{9 * kWidth - 1}}) {
+        const SharedFit fit = fit_around(view, v, pixel, 2);
+        EXPECT_NEAR(fit.visibility, v[pixel], 1e-5F);
+        EXPECT_NEAR(fit.slope, std::hypot(0.01F, 0.02F), 1e-5F);
+        EXPECT_NEAR(fit.scatter, 0.0F, 1e-3F);
+    }
+}
+
+TEST(SharedFit, TakesNothingFromOtherSurfacesNorFromWhatIsUnknown) {
+    View view = ramp(9);
+    std::vector<float> v(view.size(), 0.5F);
+    const std::size_t pixel = 4 * kWidth + 20;
+    view.instance[pixel + 1] = 1;
+    v[pixel + 1] = 1.0F;
+    view.triangle[pixel - 1] = 7;
+    view.normal_ws[pixel - 1] = {1, 0, 0};
+    v[pixel - 1] = 1.0F;
+    v[pixel + 2] = -1.0F;
+    EXPECT_NEAR(fit_around(view, v, pixel, 2).visibility, 0.5F, 1e-6F);
+    view.normal_ws[pixel - 1] = view.normal_ws[pixel];  // another triangle of the same plane
+    EXPECT_GT(fit_around(view, v, pixel, 2).visibility, 0.51F);
+}
+
+TEST(SharedFit, SaysWhenTooFewPixelsCanTell) {
+    const View row = ramp(1);
+    const std::vector<float> v(row.size(), 0.25F);
+    const SharedFit fit = fit_around(row, v, 20, 4);
+    EXPECT_EQ(fit.visibility, 0.25F);
+    EXPECT_TRUE(std::isinf(fit.scatter));
+}
+
+TEST(SharedFit, SeesAThinLineByItsScatterAndAnEdgeByItsSlope) {
+    const View view = ramp(9);
+    const std::size_t pixel = 4 * kWidth + 20;
+    std::vector<float> line(view.size(), 1.0F);
+    std::vector<float> edge(view.size(), 1.0F);
+    for (std::size_t y = 0; y < 9; ++y) {
+        line[y * kWidth + 20] = 0.0F;
+        std::fill_n(edge.begin() + static_cast<std::ptrdiff_t>(y * kWidth), 20, 0.0F);
+    }
+    EXPECT_LT(fit_around(view, line, pixel, 2).slope, 1e-6F);
+    EXPECT_GT(fit_around(view, line, pixel, 2).scatter, 0.4F);         // 0.4 sqrt(25 / 22)
+    EXPECT_NEAR(fit_around(view, edge, pixel, 2).slope, 0.3F, 1e-5F);  // (1 + 2 + 2 + 1) 5 / 50 / 2
+}
+
+TEST(MaskedTracer, SharedFirstRaysLeaveAThirdOfTheErrorOnAWidePenumbra) {
+    const View view = ramp(64);
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.25);
+    const std::vector<float> alone = trace(half_plane(), light, view, {.rays = 4, .first_rays = 4});
+    const std::vector<float> shared = trace(half_plane(), light, view, {.rays = 4, .first_rays = 4, .share = 2});
+    EXPECT_LT(rms_on_ramp(shared), rms_on_ramp(alone) / 3.0);
+}
+
+TEST(MaskedTracer, AHardEdgeIsNotBlurredBySharing) {
+    // A light of a hundredth of the ramp's pixels: every row goes from 0 to 1 in one step.
+    const View view = ramp(64);
+    const Light light = test::rectangle({0, 0, 2}, 0.002, 0.002);
+    const std::vector<float> v = trace(half_plane(), light, view, {.rays = 64, .first_rays = 16, .share = 2});
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const double x = ramp_v(i) - 0.5;  // of the edge, in metres, where the ramp is not clamped
+        if (std::abs(x) > 0.01) {
+            EXPECT_EQ(v[i], x > 0.0 ? 1.0F : 0.0F) << i;
+        }
     }
 }
 

@@ -32,6 +32,16 @@ std::vector<SettingInfo> masked_rays_settings() {
          .maximum = 4096,
          .choices = {},
          .sweep = {4, 16, 64}});
+    settings.push_back({.id = "share",
+                        .label = "Share",
+                        .unit = "pixels",
+                        .help = "Radius in which pixels of a surface share their first rays where V changes slowly; 0 "
+                                "keeps V right on average.",
+                        .default_value = 0,
+                        .minimum = 0,
+                        .maximum = 8,
+                        .choices = {},
+                        .sweep = {2, 0}});
     settings.push_back({.id = "check_rays",
                         .label = "Check rays",
                         .unit = "rays",
@@ -73,6 +83,7 @@ const TechniqueInfo& MaskedRays::description() {
 MaskedRays::MaskedRays(const Settings& settings)
     : options_{.rays = get_int(settings, "rays"),
                .first_rays = get_int(settings, "first_rays"),
+               .share = get_int(settings, "share"),
                .seed = static_cast<std::uint32_t>(get_int(settings, "seed"))},
       check_rays_{get_int(settings, "check_rays")},
       mask_{PenumbraMask::options_from(settings)} {}
@@ -156,7 +167,7 @@ Statistic MaskedRays::wrongly_sure(Frame& frame) const {
         sure[i] = summary.mask[i] != 0 && !maybe ? 1 : 0;
     }
     std::vector<float> found(sure.size(), 1.0F);
-    const MaskedTraceOptions plain{.rays = check_rays_, .first_rays = check_rays_, .seed = options_.seed};
+    const MaskedTraceOptions plain{.rays = check_rays_, .first_rays = check_rays_, .share = 0, .seed = options_.seed};
     trace_masked(frame.ray_scene(), frame.view(), frame.light(), sure, plain, found, frame.control());
     std::uint64_t wrong = 0;
     for (std::size_t i = 0; i < sure.size(); ++i) {
