@@ -73,8 +73,8 @@ CURVES = (
 class Limits:
     """When a point has been measured enough."""
 
-    point_s: float  # spent on a point
-    min_runs: int  # of a point that takes less than a third of that
+    point_s: float  # spent on a point, warm-up and pictures included
+    min_runs: int  # of a point that takes less of it
     max_runs: int
     tight: float = 0.05  # the median's interval, of the median
     ours_s: float = 1.0  # for one call of the core's measuring
@@ -82,6 +82,6 @@ class Limits:
 
 
 LIMITS = {
-    "quick": Limits(point_s=2.0, min_runs=3, max_runs=7, ours_s=0.4, dearest_s=3.0),
+    "quick": Limits(point_s=1.0, min_runs=3, max_runs=5, ours_s=0.3, dearest_s=1.0),
     "full": Limits(point_s=15.0, min_runs=5, max_runs=25),
 }
