@@ -163,6 +163,22 @@ def test_what_was_measured_is_found_again(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.partial"))
 
 
+def test_each_picture_is_held_against_the_truth_of_its_question(tmp_path: Path) -> None:
+    pytest.importorskip("penumbra_core")
+    ones, zeros = np.ones((4, 5), np.float32), np.zeros((4, 5), np.float32)
+    truth = {"mask": np.ones((4, 5), np.uint8), "area": 0.5 * ones, "irradiance": 0.25 * ones, "filtered": zeros}
+    truth |= {f"{question}_error": zeros for question in ("area", "irradiance", "filtered")}
+    np.save(tmp_path / "one.npy", ones)
+    np.stack([0.25 * ones, ones]).tofile(tmp_path / "two.bin")
+    found = {
+        worker: {question: errors["rmse"] for question, errors in measuring.errors_of(worker, file, truth).items()}
+        for worker, file in (("cycles", tmp_path / "one.npy"), ("ours", tmp_path / "one.npy"))
+    }
+    assert found == {"cycles": {"filtered": 1.0}, "ours": {"area": 0.5, "irradiance": 0.75}}
+    embree = measuring.errors_of("embree", tmp_path / "two.bin", truth)
+    assert (embree["irradiance"]["rmse"], embree["area"]["rmse"]) == (0.0, 0.5)
+
+
 def test_only_the_same_knobs_turned_further_are_dearer() -> None:
     assert measuring.no_dearer({"rays": 16}, {"rays": 64})
     assert not measuring.no_dearer({"rays": 64}, {"rays": 16})
@@ -184,9 +200,8 @@ def kept(folder: Path, curve: str, worker: str, points: dict[str, tuple[float, f
     """Points of a curve: label -> (wall ms, error by area, error by irradiance)."""
     store = Store(folder / "points")
     for label, (wall, area, irradiance) in points.items():
-        errors = {"irradiance": {"rmse": irradiance}}
-        if worker in ("ours", "embree"):
-            errors["area"] = {"rmse": area}
+        values = {"area": area, "irradiance": irradiance, "filtered": irradiance}
+        errors = {question: {"rmse": values[question]} for question in measuring.QUESTIONS[worker]}
         store.save(Measured(Point(worker, curve, label, {}), [run(wall)], errors))
 
 

@@ -22,7 +22,6 @@ from .ours import TRUTH_FILE
 from .plan import OURS, Limits, Point
 from .worker import Answer, Worker, WorkerError
 
-QUESTIONS = ("irradiance", "area")
 KEPT_ERRORS = ("rmse", "bias", "penumbra_rmse", "p99", "max", "pixels", "penumbra_pixels")
 
 
@@ -206,7 +205,7 @@ class Round:
             print(f"  {point.curve}, {point.label}: {error}", flush=True)
             return
         if not each.errors:
-            each.errors = errors_of(out, truth, area_alone=is_ours)
+            each.errors = errors_of(point.worker, out, truth)
             out.unlink()
 
     def _too_dear(self, point: Point, all_points: list[Measured]) -> bool:
@@ -234,23 +233,27 @@ def our_point(job: dict[str, Any]) -> Point:
     return Point(OURS, job["technique"], label, job)
 
 
-def errors_of(picture: Path, truth: dict[str, Any], *, area_alone: bool) -> dict[str, dict[str, float]]:
-    """Against what each question's truth says: the light's area that is seen, and the irradiance that arrives.
+# Which truths each worker's pictures are held against. "irradiance" and "area" are asked at the pixel's centre,
+# "filtered" is the irradiance over the whole pixel, which renderers with a box filter answer.
+QUESTIONS = {
+    OURS: ("area", "irradiance"),
+    "embree": ("irradiance", "area"),
+    "cycles": ("filtered",),
+    "mitsuba": ("filtered",),
+    "eevee": ("irradiance",),
+}
 
-    Our techniques answer the first, and their V is held against the second too; Embree's loop answers both; the others
-    answer the second alone.
-    """
+
+def errors_of(worker: str, picture: Path, truth: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """By question; of several images in the picture (Embree's), each against its own."""
     import penumbra_core as core
 
     mask = truth["mask"]
-    if picture.suffix == ".bin":
-        irradiance, area = np.fromfile(picture, "<f4").reshape(2, *mask.shape)
-        answers = {"irradiance": irradiance, "area": area}
-    else:
-        image = np.load(picture)
-        answers = {"irradiance": image, "area": image} if area_alone else {"irradiance": image}
+    questions = QUESTIONS[worker]
+    several = picture.suffix == ".bin"
+    images = np.fromfile(picture, "<f4").reshape(-1, *mask.shape) if several else [np.load(picture)] * len(questions)
     found = {}
-    for question, image in answers.items():
+    for question, image in zip(questions, images, strict=True):
         errors = core.measure_errors([image], truth[question], truth[f"{question}_error"], mask)
         found[question] = {key: float(errors[key]) for key in KEPT_ERRORS}
     return found

@@ -10,9 +10,13 @@ import numpy as np
 
 from . import exchange, visibility
 from .exchange import SharedScene
+from .visibility import Image
 from .worker import Answer, timed
 
 TRUTH_FILE = "truth.npz"
+# Places in the pixel, a net in the unit square: what a box filter a pixel wide sees of a sharp edge.
+PLACES = [((k + 0.5) / 16 - 0.5, (int(f"{k:04b}"[::-1], 2) + 0.5) / 16 - 0.5) for k in range(16)]
+COARSER = 6.0  # the standard error at each place, over that of the truth at the centre
 
 
 class Ours:
@@ -32,7 +36,7 @@ class Ours:
         return {"sync_ms": self._sync_ms, "version": facts.get("core", ""), "environment": facts}
 
     def truth(self, standard_error: float) -> Answer:
-        """Writes the truth, the pixels compared and what is divided by."""
+        """Writes the truth, at pixel centres and over whole pixels, the pixels compared and what is divided by."""
         raw, took = timed(lambda: self._renderer.reference(0, standard_error=standard_error, seed=1))
         view = self._renderer.view()
         normal = np.asarray(view.normal_ws)
@@ -43,6 +47,7 @@ class Ours:
         compared = mask & visibility.inside_surfaces(np.asarray(view.instance), normal, position)
         compared &= visibility.whole_light_above(self._shared.light, position_ws, normal)
         compared &= visibility.bright_enough(np.where(mask, unshadowed, 0))
+        filtered, filtered_error = self._filtered(COARSER * standard_error)
         partial = self._folder / f"partial_{TRUTH_FILE}"
         np.savez(
             partial,
@@ -50,11 +55,31 @@ class Ours:
             irradiance=raw["irradiance"],
             area_error=raw["standard_error"],
             irradiance_error=raw["irradiance_standard_error"],
+            filtered=filtered,
+            filtered_error=filtered_error,
             mask=compared.astype(np.uint8),
             unshadowed=unshadowed,
         )
         partial.replace(self._folder / TRUTH_FILE)
         return took | {"rays_per_pixel": float(raw["mean_rays_per_pixel"]), "pixels": int(compared.sum())}
+
+    def _filtered(self, standard_error: float) -> tuple[Image, Image]:
+        """The irradiance ratio over whole pixels and its standard error: the mean over places in the pixel."""
+        import penumbra_core as core
+
+        renderer, scene = core.Renderer(), core_scene(core, self._shared)
+        values, squares = [], []
+        for seed, place in enumerate(PLACES):
+            moved = scene.copy()
+            camera = moved.camera
+            camera.pixel_offset = place
+            moved.camera = camera
+            renderer.set_scene(moved)
+            raw = renderer.reference(0, standard_error=standard_error, seed=2 + seed)
+            values.append(np.asarray(raw["irradiance"], np.float64))
+            squares.append(np.square(raw["irradiance_standard_error"], dtype=np.float64))
+        error = np.sqrt(np.mean(squares, axis=0) / len(PLACES))
+        return np.mean(values, axis=0).astype(np.float32), error.astype(np.float32)
 
     def jobs(self, sweep: str) -> Answer:
         """(technique, settings) of all techniques that serve the light, from the machinery of `penumbra compare`.

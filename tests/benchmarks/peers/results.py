@@ -17,12 +17,9 @@ from .plan import OURS, Point
 TARGETS = (0.05, 0.02, 0.01, 0.005)
 BLENDER_RATIO, EMBREE_RATIO, RATIO_TARGET = 0.1, 0.4, 0.01  # asked: at most this share of their time, to this error
 SAME, SEEN = "same", "seen"
-# Which truth each is held against. "same": each against that of its own question, the share of the light's area or of
-# its irradiance. "seen": all against irradiance, which is what a picture shows.
-QUESTION = {
-    SAME: {OURS: "area", "embree": "area", "blender": "irradiance", "mitsuba": "irradiance"},
-    SEEN: {OURS: "irradiance", "embree": "irradiance", "blender": "irradiance", "mitsuba": "irradiance"},
-}
+# Which truths count, the first of them that a curve has. "same": each is held against that of its own question, the
+# share of the light's area or of its irradiance. "seen": all against irradiance, which is what a picture shows.
+QUESTIONS = {SAME: ("area", "filtered", "irradiance"), SEEN: ("filtered", "irradiance")}
 Document = dict[str, Any]
 
 
@@ -100,13 +97,13 @@ def _figures(each: Measured) -> Document:
 
 def samples_of(curve: Document, which: str, clock: str) -> list[Sample]:
     """@param clock "wall_ms", or "cpu_ms": processor time over the number of cores"""
-    question = QUESTION[which][curve["group"]]
     cores = environment.usable_cores() if clock == "cpu_ms" else 1
-    return [
-        Sample(point["errors"][question]["rmse"], point[clock] / cores, point["label"])
-        for point in curve["points"]
-        if question in point["errors"]
-    ]
+    found = []
+    for point in curve["points"]:
+        question = next((each for each in QUESTIONS[which] if each in point["errors"]), None)
+        if question is not None:
+            found.append(Sample(point["errors"][question]["rmse"], point[clock] / cores, point["label"]))
+    return found
 
 
 def target(all_curves: list[Document], error: float, which: str) -> Document:
