@@ -234,6 +234,12 @@ def test_the_targets_follow_from_the_points(measured_folder: Path) -> None:
     assert seen[0.02]["setting"] == "rays 64" and seen[0.01]["wall_ms"]["over_embree"] is None
 
 
+def test_the_noise_of_the_truth_is_no_error_of_a_renderer() -> None:
+    assert results.own_error({"rmse": 0.005}) == 0.005
+    assert results.own_error({"rmse": 0.005, "reference_standard_error": 0.003}) == pytest.approx(0.004)
+    assert results.own_error({"rmse": 0.003, "reference_standard_error": 0.004}) == pytest.approx(0.002)
+
+
 def test_the_page_marks_a_missed_target_and_goes_between_its_marks(measured_folder: Path, tmp_path: Path) -> None:
     report = results.collect(measured_folder, ["knot"], SETTINGS, "peers.py --quick")
     text = page.section(report)

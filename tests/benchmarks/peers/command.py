@@ -64,7 +64,7 @@ def _options(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--scenes", help=f"of {sources.KNOT}, {', '.join(sources.EXAMPLES)} and the meshes")
     parser.add_argument("--meshes", type=Path, metavar="DIR", help="a folder of meshes; each gets a floor and a light")
     parser.add_argument("--size", default="512x512", type=lambda text: tuple(int(n) for n in text.split("x")))
-    parser.add_argument("--reference-error", type=float, default=0.0015, metavar="X", help="standard error of truth")
+    parser.add_argument("--reference-error", type=float, default=0.002, metavar="X", help="standard error of truth")
     parser.add_argument("--embree", type=Path, metavar="PROGRAM", help="penumbra_embree_loop; looked for in build/")
     parser.add_argument("--write", action="store_true", help="put the outcome into docs/performance.md")
     return parser.parse_args(words)

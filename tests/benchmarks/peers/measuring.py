@@ -22,7 +22,7 @@ from .ours import TRUTH_FILE
 from .plan import OURS, Limits, Point
 from .worker import Answer, Worker, WorkerError
 
-KEPT_ERRORS = ("rmse", "bias", "penumbra_rmse", "p99", "max", "pixels", "penumbra_pixels")
+KEPT_ERRORS = ("rmse", "bias", "penumbra_rmse", "p99", "max", "pixels", "penumbra_pixels", "reference_standard_error")
 
 
 @dataclass

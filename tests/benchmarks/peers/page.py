@@ -136,7 +136,9 @@ def draw(report: Document, file: Path) -> None:
             axes.set_title(scene["name"], fontsize=10)
         for axes in grid[len(scenes) :]:
             axes.set_axis_off()
-        figure.legend(list(seen.values()), list(seen), loc="outside lower center", ncols=5, fontsize=8, frameon=False)
+        figure.legend(
+            list(seen.values()), list(seen), loc="outside lower center", ncols=3 * columns, fontsize=8, frameon=False
+        )
         figure.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None, dpi=110)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -102,8 +103,14 @@ def samples_of(curve: Document, which: str, clock: str) -> list[Sample]:
     for point in curve["points"]:
         question = next((each for each in QUESTIONS[which] if each in point["errors"]), None)
         if question is not None:
-            found.append(Sample(point["errors"][question]["rmse"], point[clock] / cores, point["label"]))
+            found.append(Sample(own_error(point["errors"][question]), point[clock] / cores, point["label"]))
     return found
+
+
+def own_error(errors: Document) -> float:
+    """The RMSE without the truth's noise, which is independent; at least half of that noise, for less is not known."""
+    noise = float(errors.get("reference_standard_error", 0.0))
+    return math.sqrt(max(float(errors["rmse"]) ** 2 - noise**2, noise**2 / 4))
 
 
 def target(all_curves: list[Document], error: float, which: str) -> Document:
