@@ -11,6 +11,7 @@ from pathlib import Path
 
 from . import measuring, page, results, sources
 from .measuring import Programs, write
+from .worker import Worker, WorkerError, serve
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = ROOT / "tests" / "benchmarks" / "peers.py"
@@ -42,7 +43,7 @@ def main(words: list[str]) -> int:
         try:
             _prepare(programs, name, known[name], options.size, folder)
             measuring.Round(folder, programs, sweep, options.reference_error).run()
-        except measuring.WorkerError as error:
+        except WorkerError as error:
             failed += 1
             print(f"  {error}", file=sys.stderr)
         print(f"  {time.monotonic() - started:.0f} s", flush=True)
@@ -96,12 +97,12 @@ def _prepare(programs: Programs, name: str, file: Path | None, size: tuple[int, 
         return
     folder.mkdir(parents=True, exist_ok=True)
     arguments = [name, str(file or ""), f"{size[0]}x{size[1]}"]
-    measuring.Worker([*programs.command("source", folder), *arguments], folder / "source.log").close()
+    Worker([*programs.command("source", folder), *arguments], folder / "source.log").close()
 
 
 def _worker(name: str, folder: str, *rest: str) -> int:
     """This script again, as one of its workers."""
-    from .worker import Peer, serve
+    from .worker import Peer
 
     path = Path(folder)
 

@@ -84,7 +84,7 @@ class Ours:
     def jobs(self, sweep: str) -> Answer:
         """(technique, settings) of all techniques that serve the light, from the machinery of `penumbra compare`.
 
-        "quick": three settings of each, and all of those that converge.
+        "quick": three settings of each, and all of those that trace rays.
         """
         import penumbra_core as core
         from penumbra.compare import jobs_of
@@ -94,8 +94,7 @@ class Ours:
         for info in every:
             if self._renderer.supports(0, info["id"]):
                 continue
-            converges = info["randomised"] or info["id"] == "light_samples"
-            found = jobs_of(info, {}, "full" if sweep == "full" or converges else "quick")
+            found = jobs_of(info, {}, "full" if sweep == "full" or info["randomised"] else "quick")
             wanted += [{"technique": job.id, "settings": job.settings} for job in found]
         return {"jobs": wanted}
 

@@ -9,7 +9,8 @@ from typing import Any
 from penumbra.report import palette
 
 from . import curves, results
-from .results import BLENDER_RATIO, EMBREE_RATIO, OURS, SAME, SEEN
+from .plan import OURS
+from .results import BLENDER_RATIO, EMBREE_RATIO, SAME, SEEN
 
 Document = dict[str, Any]
 BEGIN, END = "<!-- peers: written by tests/benchmarks/peers.py -->", "<!-- end of peers -->"
@@ -43,7 +44,7 @@ def section(report: Document) -> str:
 def _machine(report: Document) -> str:
     environment, settings = report["environment"], report["settings"]
     versions = {name: facts["version"] for scene in report["scenes"] for name, facts in scene["facts"].items()}
-    ours = next((scene["facts"][OURS]["environment"] for scene in report["scenes"]), {})
+    ours: Document = next((scene["facts"][OURS]["environment"] for scene in report["scenes"]), {})
     width, height = settings["size"]
     named = {"cycles": "Blender", "mitsuba": "Mitsuba", "embree": "Embree"}
     said = ", ".join(f"{title} {versions[key]}" for key, title in named.items() if key in versions)

@@ -82,6 +82,6 @@ class Limits:
 
 
 LIMITS = {
-    "quick": Limits(point_s=1.0, min_runs=3, max_runs=5, ours_s=0.3, dearest_s=1.0),
+    "quick": Limits(point_s=1.0, min_runs=3, max_runs=5, ours_s=0.3, dearest_s=0.5),
     "full": Limits(point_s=15.0, min_runs=5, max_runs=25),
 }

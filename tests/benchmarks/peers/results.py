@@ -122,8 +122,8 @@ def target(all_curves: list[Document], error: float, which: str) -> Document:
         best = {group: _least(all_curves, times, group) for group in (OURS, "blender", "embree")}
         document[clock] = {f"best_{group}": name for group, name in best.items()}
         for group in ("blender", "embree"):
-            mine, their = best[OURS], best[group]
-            document[clock][f"over_{group}"] = times[mine] / times[their] if mine and their else None
+            mine, their = (times.get(best[each] or "") for each in (OURS, group))
+            document[clock][f"over_{group}"] = mine / their if mine is not None and their is not None else None
     winner = document["wall_ms"]["best_ours"]
     if winner:
         own = next(curve for curve in all_curves if curve["id"] == winner)

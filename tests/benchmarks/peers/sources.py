@@ -54,8 +54,7 @@ def knot(size: tuple[int, int], around: int = 22, along: int = 264) -> SharedSce
 
     angles = 2.0 * math.pi * np.arange(around) / around
     rings = []
-    for i in range(along):
-        t = 2.0 * math.pi * i / along
+    for t in 2.0 * math.pi * np.arange(along) / along:
         tangent = centre(t + 1e-4) - centre(t - 1e-4)
         side = np.cross(tangent, (0, 0, 1))
         side /= np.linalg.norm(side)
