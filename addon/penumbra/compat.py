@@ -41,11 +41,11 @@ def light_casts_shadow(light: Any) -> bool:
 def node_tree(owner: Any) -> Any | None:
     """The node tree of a material, light or world if it is in use.
 
-    Materials and worlds always use theirs from 5.0 on, where asking `use_nodes` is deprecated; lights still choose.
+    Materials and worlds always use theirs from 5.0 on, lights from 5.2 on; to ask `use_nodes` is deprecated then.
     """
     import bpy
 
-    always = bpy.app.version >= (5, 0, 0) and not isinstance(owner, bpy.types.Light)
+    always = bpy.app.version >= ((5, 2, 0) if isinstance(owner, bpy.types.Light) else (5, 0, 0))
     return owner.node_tree if always or owner.use_nodes else None
 
 

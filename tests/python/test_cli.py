@@ -133,7 +133,7 @@ def test_without_the_compiled_core_the_sentence_says_how_to_get_it(penumbra: Run
 @pytest.mark.usefixtures("core")
 def test_without_blender_the_sentence_says_how_to_get_it(penumbra: Run, tmp_path: Path, scene: Path) -> None:
     (tmp_path / "block" / "bpy").mkdir(parents=True)
-    (tmp_path / "block" / "bpy" / "__init__.py").write_text("raise ImportError('no bpy here', name='bpy')")
+    (tmp_path / "block" / "bpy" / "__init__.py").write_text("raise ModuleNotFoundError('no bpy here', name='bpy')")
     path = os.pathsep.join([str(tmp_path / "block"), *sys.path])
     result = penumbra("compare", scene, "--out", tmp_path / "out", PYTHONPATH=path)
     assert result.returncode == 2
