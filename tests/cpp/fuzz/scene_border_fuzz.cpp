@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "fuzz/scene_bytes.h"
 #include "geometry/adjacency.h"
@@ -41,14 +42,23 @@ void require_sentence(const Error& refusal) {
     require(text.size() > 8 && text.find('\n') == std::string::npos, "a refusal is one sentence");
 }
 
+SettingInfo setting(const char* id, SettingValue value, double minimum = 0.0, double maximum = 0.0) {
+    SettingInfo info;
+    info.id = id;
+    info.default_value = std::move(value);
+    info.minimum = minimum;
+    info.maximum = maximum;
+    return info;
+}
+
 const std::vector<SettingInfo>& setting_infos() {
-    static const std::vector<SettingInfo> infos{
-        {.id = "size", .default_value = 64, .minimum = 16, .maximum = 16384},
-        {.id = "scale", .default_value = 1.0, .minimum = 0.0, .maximum = 100.0},
-        {.id = "mask", .default_value = true},
-        {.id = "bias", .default_value = std::string{"slope"}, .choices = {"none", "slope"}},
-        {.id = "plane", .default_value = std::string{"auto"}},
-    };
+    static const std::vector<SettingInfo> infos = [] {
+        std::vector<SettingInfo> all{setting("size", 64, 16, 16384), setting("scale", 1.0, 0.0, 100.0),
+                                     setting("mask", true), setting("bias", std::string{"slope"}),
+                                     setting("plane", std::string{"auto"})};
+        all[3].choices = {"none", "slope"};
+        return all;
+    }();
     return infos;
 }
 

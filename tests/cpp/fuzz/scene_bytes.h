@@ -2,8 +2,8 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <span>
@@ -193,11 +193,11 @@ public:
 private:
     template <class T>
     T bits() {
-        std::array<std::uint8_t, sizeof(T)> raw{};
-        for (std::uint8_t& part : raw) {
-            part = byte();
+        T value = 0;
+        for (unsigned shift = 0; shift < 8 * sizeof(T); shift += 8) {
+            value |= static_cast<T>(static_cast<T>(byte()) << shift);
         }
-        return std::bit_cast<T>(raw);
+        return value;
     }
 
     std::span<const std::uint8_t> left_;
