@@ -26,6 +26,14 @@ struct VolumeJob {
     uint edges;  // 1: edges, 0: triangles
 };
 
+// What one work group of the sieve by tiles does.
+struct VolumeSiftJob {
+    uint command;
+    uint first;  // triangle of the command
+    uint count;
+    uint z_pass;  // 1: fragments that pass count
+};
+
 struct VolumeCommand {
     uint count;  // grows as indices are appended
     uint instance_count;

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "geometry/layer_bound.h"
 #include "passes/frame.h"
+#include "passes/tile_list.h"
 #include "penumbra/error.h"
 #include "scene/setting_forms.h"
 
@@ -101,6 +102,13 @@ double far_share(const LightSummary& summary, const glm::dvec4& light_ws) {
         }
     }
     return std::max(0.5 * nearest / std::max(farthest, 1e-20), kShortest);
+}
+
+/// One work group per job, in rows that every device allows.
+void dispatch_groups(std::size_t jobs) {
+    constexpr std::uint32_t kMostGroups = 32768;
+    const auto groups = static_cast<std::uint32_t>(jobs);
+    glDispatchCompute(std::min(groups, kMostGroups), (groups + kMostGroups - 1) / kMostGroups, 1);
 }
 
 }  // namespace
@@ -282,12 +290,18 @@ VolumeFaces VolumePass::faces_of(const Slot& slot, const glm::dvec4& light_local
                : volume_faces(maker.closure(), *meshes_[slot.mesh], maker.bounds_local(), light_local);
 }
 
-/// Draws with one state side by side.
-void VolumePass::sort_commands(std::vector<std::pair<Group, DrawCommand>>& all) {
+/// Draws with one state side by side. @param all  in the order of their indices, @param end  of the last one's
+void VolumePass::sort_commands(std::vector<std::pair<Group, DrawCommand>>& all, std::uint64_t end) {
+    std::map<std::uint32_t, std::uint32_t> room;  // by first index; commands without any share theirs with the next
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const std::uint64_t next = i + 1 < all.size() ? all[i + 1].second.first_index : end;
+        room[all[i].second.first_index] = static_cast<std::uint32_t>(next - all[i].second.first_index);
+    }
     std::ranges::stable_sort(
         all, {}, [](const auto& found) { return (found.first.z_pass ? 2 : 0) + (found.first.clockwise ? 1 : 0); });
     groups_.clear();
     drawn_.clear();
+    most_in_command_.clear();
     for (const auto& [group, command] : all) {
         if (groups_.empty() || groups_.back().clockwise != group.clockwise || groups_.back().z_pass != group.z_pass) {
             groups_.push_back(group);
@@ -295,6 +309,7 @@ void VolumePass::sort_commands(std::vector<std::pair<Group, DrawCommand>>& all) 
         }
         ++groups_.back().count;
         drawn_.push_back(command);
+        most_in_command_.push_back(room.at(command.first_index));
     }
 }
 
@@ -322,7 +337,7 @@ void VolumePass::find_on_cpu(Frame& frame, const glm::dvec4& light_ws) {
             }
         }
     }
-    sort_commands(all);
+    sort_commands(all, found_indices_.size());
     indices_.replace(std::span<const std::uint32_t>{found_indices_});
     commands_.replace(std::span<const DrawCommand>{drawn_});
     read_back_ = true;
@@ -379,7 +394,7 @@ void VolumePass::find_on_device(Frame& frame, const glm::dvec4& light_ws) {
                           " triangles, more than 32-bit indices can count; simplify or hide some");
     }
     // Which commands are a slot's: two before they are sorted, found again by where their indices begin.
-    sort_commands(all);
+    sort_commands(all, capacity);
     for (const Group& group : groups_) {
         for (std::size_t c = group.first; c < group.first + group.count; ++c) {
             const std::uint32_t instance = drawn_[c].base_instance;
@@ -408,9 +423,7 @@ void VolumePass::find_on_device(Frame& frame, const glm::dvec4& light_ws) {
         frame.device().programs.get({"passes/volume_indices.comp"}, {{"GROUP_SIZE", std::to_string(kGroupSize) + "u"}});
     program.set("job_count", static_cast<unsigned>(jobs.size()));
     program.use();
-    constexpr std::uint32_t kMostGroups = 32768;
-    const auto groups = static_cast<std::uint32_t>(jobs.size());
-    glDispatchCompute(std::min(groups, kMostGroups), (groups + kMostGroups - 1) / kMostGroups, 1);
+    dispatch_groups(jobs.size());
     StorageBuffer::barrier();
 }
 
@@ -688,6 +701,60 @@ void VolumePass::draw_in_tiles(const Program& program) const {
     }
 }
 
+/// On the device: the index lists again, without the triangles that no wanted tile needs.
+void VolumePass::sift_by_tiles(Frame& frame, const TileList& tiles) {
+    std::vector<gpu::VolumeSiftJob> jobs;
+    std::vector<DrawCommand> kept = drawn_;
+    std::uint64_t room = 0;
+    for (const Group& group : groups_) {
+        for (std::size_t c = group.first; c < group.first + group.count; ++c) {
+            kept[c].count = 0;
+            room = std::max<std::uint64_t>(room, std::uint64_t{drawn_[c].first_index} + most_in_command_[c]);
+            constexpr std::uint32_t kTriangles = 4 * kGroupSize;
+            for (std::uint32_t first = 0; first < most_in_command_[c] / 3; first += kTriangles) {
+                jobs.push_back({static_cast<std::uint32_t>(c), first, kTriangles, group.z_pass ? 1U : 0U});
+            }
+        }
+    }
+    kept_commands_.replace(std::span<const DrawCommand>{kept});
+    if (!kept_indices_ || kept_indices_.bytes() < room * sizeof(std::uint32_t)) {
+        kept_indices_ = StorageBuffer();
+        kept_indices_ = StorageBuffer(room * sizeof(std::uint32_t), "volume indices in tiles");
+    }
+    kept_vertex_array_ = make_vertex_array(kept_indices_);
+    if (jobs.empty()) {
+        return;
+    }
+    sift_jobs_.replace(std::span<const gpu::VolumeSiftJob>{jobs});
+    Defines defines = TileList::defines();
+    defines.push_back({"GROUP_SIZE", std::to_string(kGroupSize) + "u"});
+    const Program& program = frame.device().programs.get({"passes/volume_sift.comp"}, defines);
+    set_uniforms(frame, program);
+    program.set("size_px", glm::vec2{static_cast<float>(frame.view().width), static_cast<float>(frame.view().height)});
+    program.set("job_count", static_cast<unsigned>(jobs.size()));
+    program.use();
+    tiles.bind_storage();
+    instances_.bind_storage(1);
+    vertices_.bind_storage(2);
+    sift_jobs_.bind_storage(3);
+    indices_.bind_storage(4);
+    commands_.bind_storage(5);
+    kept_indices_.bind_storage(6);
+    kept_commands_.bind_storage(7);
+    dispatch_groups(jobs.size());
+    StorageBuffer::barrier();
+}
+
+std::uint64_t VolumePass::drawn_of_list() const {
+    std::uint64_t triangles = 0;
+    if (kept_commands_) {
+        for (const DrawCommand& command : kept_commands_.read<DrawCommand>()) {
+            triangles += command.count / 3;
+        }
+    }
+    return triangles;
+}
+
 void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     using Kind = VolumeMask::Kind;
     Defines defines;
@@ -700,11 +767,13 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
         defines.push_back({"MASK_BY_CLASS"});
         mask.classes->bind(1);
     }
-    const Program& program = frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, defines);
-    set_uniforms(frame, program);
     if (mask.tiles != nullptr) {
         sort_into_tiles(frame, mask);
+    } else if (mask.tile_list != nullptr) {
+        sift_by_tiles(frame, *mask.tile_list);
     }
+    const Program& program = frame.device().programs.get({"passes/volume.vert", "passes/volume.frag"}, defines);
+    set_uniforms(frame, program);
     if (mask.kind == Kind::Class) {
         program.set("wanted_class", mask.wanted);
     }
@@ -723,8 +792,9 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     glDisable(GL_CULL_FACE);
     glEnable(GL_SCISSOR_TEST);
     glScissor(scissor_.x, scissor_.y, scissor_.z, scissor_.w);
-    glBindVertexArray(vertex_array_.name());
-    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+    const bool sifted = mask.tile_list != nullptr;
+    glBindVertexArray((sifted ? kept_vertex_array_ : vertex_array_).name());
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, (sifted ? kept_commands_ : commands_).name());
     if (!in_image_ || by_bit) {
         glEnable(GL_STENCIL_TEST);
         glStencilFunc(by_bit ? GL_EQUAL : GL_ALWAYS, VolumeMask::kBit, VolumeMask::kBit);
@@ -811,7 +881,8 @@ std::vector<float> VolumePass::read_overdraw(Frame& frame) {
 
 std::size_t VolumePass::bytes() const noexcept {
     std::size_t bytes = vertices_.bytes() + instance_numbers_.bytes() + indices_.bytes() + commands_.bytes() +
-                        instances_.bytes() + (counts_ ? counts_.bytes() : 0);
+                        instances_.bytes() + kept_indices_.bytes() + kept_commands_.bytes() +
+                        (counts_ ? counts_.bytes() : 0);
     for (const auto& [mesh, maker] : makers_) {
         bytes += maker->bytes();
     }

@@ -30,6 +30,7 @@ namespace gpu {
 class Frame;
 class GpuScene;
 class Program;
+class TileList;
 
 /// True if no point of the caster's box lies between the light and the eye or the near rectangle: then the eye is
 /// outside its volume, and nothing of the volume is cut off in front of the eye. Never of an orthographic camera, whose
@@ -49,8 +50,11 @@ struct VolumeMask {
     const TextureImage* classes = nullptr;
     unsigned wanted = 0;
     const TextureImage* depth_stencil = nullptr;
-    /// Nothing need be drawn but in its wanted tiles; nullptr: everywhere. A pre-filter: combine it with another kind.
+    /// Nothing need be drawn but in these tiles; nullptr: everywhere. A pre-filter: combine it with another kind. The
+    /// processor draws each triangle in the rectangles of wanted tiles that it touches, under their scissors; the device
+    /// draws once, without a read-back, what touches any. One of the two.
     const TileGrid* tiles = nullptr;
+    const TileList* tile_list = nullptr;
     /// Per caster of the summary: a query without whose samples it is not drawn, 0 for none; empty: all are drawn.
     std::span<const GLuint> conditions;
 };
@@ -107,6 +111,8 @@ public:
     [[nodiscard]] std::uint64_t most_layers() const noexcept { return most_layers_; }
     /// Triangles times rectangles of the last count() with tiles.
     [[nodiscard]] std::uint64_t drawn_in_tiles() const noexcept { return drawn_in_tiles_; }
+    /// Triangles of the last count() with a tile list; waits for the device.
+    [[nodiscard]] std::uint64_t drawn_of_list() const;
     /// Waits for the device where it found them.
     [[nodiscard]] std::uint64_t triangle_count();
     [[nodiscard]] std::size_t bytes() const noexcept;
@@ -132,7 +138,7 @@ private:
     void find_on_device(Frame& frame, const glm::dvec4& light_ws);
     void read_back();
     [[nodiscard]] VolumeFaces faces_of(const Slot& slot, const glm::dvec4& light_local) const;
-    void sort_commands(std::vector<std::pair<Group, DrawCommand>>& all);
+    void sort_commands(std::vector<std::pair<Group, DrawCommand>>& all, std::uint64_t end);
     void bound_layers(const Frame& frame, const glm::dvec4& light_ws);
     void aim_at(const TextureImage& depth_stencil);
     [[nodiscard]] std::uint64_t stencil_limit() const noexcept {
@@ -144,6 +150,7 @@ private:
     void sort_into_tiles(Frame& frame, const VolumeMask& mask);
     void draw_under_conditions(const Program& program, std::span<const GLuint> conditions) const;
     void draw_in_tiles(const Program& program) const;
+    void sift_by_tiles(Frame& frame, const TileList& tiles);
     static void issue(const Group& group);
 
     Options options_;
@@ -164,6 +171,9 @@ private:
     std::vector<Cell> cells_;
     StorageBuffer cell_indices_, cell_commands_;
     VertexArray cell_vertex_array_;
+    StorageBuffer sift_jobs_, kept_indices_, kept_commands_;  ///< of sift_by_tiles()
+    VertexArray kept_vertex_array_;
+    std::vector<std::uint32_t> most_in_command_;  ///< indices that each of drawn_ has room for
     std::uint64_t drawn_in_tiles_ = 0;
     glm::ivec4 scissor_{0};  ///< x, y, width, height of the light's mask
     std::uint64_t most_layers_ = 0;

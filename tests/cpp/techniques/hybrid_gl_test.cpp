@@ -1,6 +1,7 @@
 // The hybrid against its own parts: volumes where pixels are tagged, four comparisons elsewhere; and against the closed
 // forms of what is exact, what is missed and what is tagged.
 #include "support/thesis_scenes.h"
+#include "geometry/volume_tiles.h"
 #include "techniques/renderer_fixture.h"
 
 namespace penumbra {
@@ -96,6 +97,79 @@ TEST_F(HybridGl, EveryMaskGivesTheSameImage) {
                     << mask << ", " << counting;
             }
         }
+    }
+}
+
+// The compute shader lists the tiles and draws what touches any; the processor draws in rectangles of them.
+TEST_F(HybridGl, TilesOfTheComputeShaderAreTheProcessorsAndSoIsTheImage) {
+    const std::vector<std::string> views{"tagged", "tiles"};
+    std::vector<Scene> scenes{small(scenes::cubes()), small(scenes::cage()), small(scenes::tree())};
+    scenes.push_back(under_blocker(scenes::sheet(-1, 0.3F, -1, 0.2F), 100));  // orthographic, a sun, tiles cut off
+    scenes.push_back(small(scenes::cage()));                                   // the eye in a volume: caps
+    scenes.back().camera = scenes::camera_towards({-1.2, 1.0, 0.3}, {1, -1, 0.5}, 150, 110);
+    scenes.push_back(small(scenes::cubes()));
+    scenes.back().lights[0].kind = LightKind::Sun;
+    for (const Scene& scene : scenes) {
+        SCOPED_TRACE(scene.instances[1].name);
+        std::array<DebugImage, 2> pictures;
+        std::array<std::vector<float>, 2> images;
+        std::array<std::map<std::string, double>, 2> value;
+        std::size_t tiles = 0;
+        for (const bool on_device : {false, true}) {
+            const Settings settings{{"map_size", 128},
+                                    {"mask", std::string{"tiles"}},
+                                    {"tile_sorting", std::string{on_device ? "gpu" : "cpu"}}};
+            renderer().set_scene(scene);
+            const auto result = renderer().visibility(0, {"hybrid", settings}, false, control_);
+            images[on_device ? 1 : 0] = result.visibility;
+            for (const Statistic& statistic : result.statistics) {
+                value[on_device ? 1 : 0][statistic.id] = statistic.value;
+            }
+            const auto debug = renderer().debug_images(0, {"hybrid", settings}, views, control_);
+            pictures[on_device ? 1 : 0] = debug[1].image;
+            TileGrid grid{scene.camera.width_px, scene.camera.height_px};
+            for (int y = 0; y < grid.height_px; ++y) {
+                for (int x = 0; x < grid.width_px; ++x) {
+                    if (debug[0].image.rgb[static_cast<std::size_t>(y * grid.width_px + x)] ==
+                        glm::vec3{0.1F, 0.9F, 0.1F}) {
+                        grid.wanted[grid.tile_of(x, y)] = 1;
+                    }
+                }
+            }
+            tiles = static_cast<std::size_t>(std::count(grid.wanted.begin(), grid.wanted.end(), 1));
+            EXPECT_EQ(value[on_device ? 1 : 0]["tagged_tiles"], static_cast<double>(tiles));
+        }
+        EXPECT_GT(tiles, 0U);
+        EXPECT_EQ(pictures[0].rgb, pictures[1].rgb) << "the same tiles";
+        EXPECT_EQ(images[0], images[1]);
+        const std::vector<float> by_stencil =
+            visibility(scene, "hybrid", {{"map_size", 128}, {"mask", std::string{"stencil"}}});
+        EXPECT_EQ(images[1], by_stencil);
+        EXPECT_LE(value[1]["drawn_in_tiles"], value[1]["volume_triangles"]);
+        EXPECT_GT(value[1]["drawn_in_tiles"], 0.0);
+    }
+}
+
+TEST_F(HybridGl, TheComputeShaderLeavesOutTrianglesThatTouchNoTaggedTile) {
+    // A view of a few of a thousand cubes: most of the others' volumes pass it by.
+    const Scene scene = [&] {
+        Scene made = small(scenes::cubes());
+        made.camera = scenes::camera_towards({0.3, -1.6, 0.7}, {0.4, -0.9, 0.0}, 192, 144);
+        made.camera.tan_half_width = 0.1;
+        return made;
+    }();
+    for (const std::string silhouettes : {"cpu", "gpu"}) {
+        const Settings settings{{"tile_sorting", std::string{"gpu"}}, {"silhouettes", silhouettes}};
+        renderer().set_scene(scene);
+        const auto result = renderer().visibility(0, {"hybrid", settings}, false, control_);
+        double all = 0.0, drawn = 0.0;
+        for (const Statistic& statistic : result.statistics) {
+            all = statistic.id == "volume_triangles" ? statistic.value : all;
+            drawn = statistic.id == "drawn_in_tiles" ? statistic.value : drawn;
+        }
+        EXPECT_GT(drawn, 0.0);
+        EXPECT_LT(drawn, 0.5 * all) << silhouettes;
+        EXPECT_EQ(result.visibility, visibility(scene, "hybrid", {{"mask", std::string{"stencil"}}})) << silhouettes;
     }
 }
 
@@ -329,6 +403,9 @@ TEST_F(HybridGl, WithNothingTaggedTheMapDecidesAlone) {
         EXPECT_EQ(compare(made).tagged, 0U);
         EXPECT_EQ(std::count(made.hybrid.begin(), made.hybrid.end(), 0.0F), 64 * 64);
     }
+    const Made listed = make(scene, {{"tile_sorting", std::string{"gpu"}}});
+    EXPECT_EQ(compare(listed).tagged, 0U);
+    EXPECT_EQ(std::count(listed.hybrid.begin(), listed.hybrid.end(), 0.0F), 64 * 64);
 }
 
 TEST_F(HybridGl, StatisticsAreWhatTheThesisReports) {
@@ -343,7 +420,7 @@ TEST_F(HybridGl, StatisticsAreWhatTheThesisReports) {
     EXPECT_LT(value["masked_overdraw"], 0.2 * value["overdraw"]);
     EXPECT_GT(value["tagged_share"], 0.02);
     EXPECT_LT(value["tagged_share"], 0.15);
-    EXPECT_EQ(renderer().debug_images(0, {"hybrid", {}}, {}, control_).size(), 6U);
+    EXPECT_EQ(renderer().debug_images(0, {"hybrid", {}}, {}, control_).size(), 7U);
 }
 
 }  // namespace

@@ -40,25 +40,18 @@ VolumePass::Options options_from(const Settings& settings) {
     return options;
 }
 
-/// Depths of what is seen in each tile and asked for.
-TileGrid seen_tiles(const Frame& frame) {
+/// Reversed depth of what is seen at every pixel; 0 where nothing is.
+std::vector<float> seen_depths(const Frame& frame) {
     const View& view = frame.view();
     const glm::dmat4 clip = clip_from_rel(frame.scene().camera);
-    TileGrid grid{view.width, view.height};
-    for (int y = 0; y < view.height; ++y) {
-        for (int x = 0; x < view.width; ++x) {
-            const std::size_t i =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x);
-            if (view.hit(i)) {
-                const glm::dvec4 p = clip * glm::dvec4{glm::dvec3{view.position_cr[i]}, 1.0};
-                const auto depth = static_cast<float>(p.z / p.w);
-                const std::size_t tile = grid.tile_of(x, y);
-                grid.nearest[tile] = std::max(grid.nearest[tile], depth);
-                grid.farthest[tile] = std::min(grid.farthest[tile], depth);
-            }
+    std::vector<float> depths(view.position_cr.size(), 0.0F);
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        if (view.hit(i)) {
+            const glm::dvec4 p = clip * glm::dvec4{glm::dvec3{view.position_cr[i]}, 1.0};
+            depths[i] = static_cast<float>(p.z / p.w);
         }
     }
-    return grid;
+    return depths;
 }
 
 std::vector<SettingInfo> hybrid_settings() {
@@ -89,10 +82,15 @@ std::vector<SettingInfo> hybrid_settings() {
             "does not see are closed by it.",
             false),
         choice_setting("mask", "Computation mask",
-                       "stencil: one bit of it; tiles: draws only in rectangles that hold tagged pixels as well; "
-                       "depth_bounds: a copy of the depth, where the device has the test; discard: by the fragment "
-                       "shader; auto: stencil, and tiles where the device is a software rasteriser. The same image.",
+                       "stencil: one bit of it; tiles: draws only triangles that touch tiles with tagged pixels as "
+                       "well; depth_bounds: a copy of the depth, where the device has the test; discard: by the "
+                       "fragment shader; auto: tiles. The same image.",
                        {"auto", "stencil", "tiles", "depth_bounds", "discard"}),
+        choice_setting("tile_sorting", "Tiles of the mask",
+                       "gpu: a compute shader lists them and leaves out triangles that touch none, without a "
+                       "read-back; cpu: the processor sorts triangles into rectangles of them, under scissors; auto: "
+                       "gpu, but cpu where the device is a software rasteriser. The same image.",
+                       {"auto", "gpu", "cpu"}),
     };
     const std::vector<SettingInfo> more = volume_settings();
     all.insert(all.end(), more.begin(), more.end());
@@ -124,6 +122,9 @@ Hybrid::Hybrid(const Settings& settings)
             .facing_test = get_bool(settings, "facing_test")}},
       volumes_{options_from(settings)},
       mask_{mask_from(get_choice(settings, "mask"))},
+      tile_form_{get_choice(settings, "tile_sorting") == "gpu"   ? TileForm::Gpu
+                 : get_choice(settings, "tile_sorting") == "cpu" ? TileForm::Cpu
+                                                                 : TileForm::Auto},
       ratio_{get_choice(settings, "ratio_culling") == "off"      ? Ratio::Off
              : get_choice(settings, "ratio_culling") == "scalar" ? Ratio::Scalar
                                                                  : Ratio::Conservative},
@@ -150,12 +151,16 @@ Plan Hybrid::plan(const LightSummary& summary) const {
 
 Hybrid::Mask Hybrid::mask_for(const Frame& frame) const {
     if (mask_ == Mask::Auto) {
-        return frame.device().context.info().software ? Mask::Tiles : Mask::Stencil;
+        return Mask::Tiles;
     }
     if (mask_ == Mask::DepthBounds && !frame.device().context.extensions().depth_bounds_test) {
         return Mask::Stencil;
     }
     return mask_;
+}
+
+bool Hybrid::tiles_on_device(const Frame& frame) const {
+    return tile_form_ == TileForm::Gpu || (tile_form_ == TileForm::Auto && !frame.device().context.info().software);
 }
 
 void Hybrid::prepare(Frame& frame) {
@@ -175,8 +180,9 @@ void Hybrid::prepare(Frame& frame) {
         masked_target_.attach_depth(masked_depth_);
         no_attributes_ = VertexArray::create();
     }
-    if (mask_for(frame) == Mask::Tiles) {
-        tiles_ = seen_tiles(frame);
+    if (mask_for(frame) == Mask::Tiles && !tiles_on_device(frame)) {
+        tiles_ = TileGrid{view.width, view.height};
+        depths_ = seen_depths(frame);
     }
     if (pcf_form_) {
         compare_ = Sampler::create();
@@ -259,37 +265,60 @@ void Hybrid::install_mask(Frame& frame) {
     }
     const GLint zero = 0;
     glClearNamedFramebufferiv(stencil_target_.name(), GL_STENCIL, 0, &zero);
-    const Program& program = frame.device().programs.get({kFullscreen, "techniques/hybrid/mask.frag"});
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(GL_ALWAYS, VolumeMask::kBit, 0xFF);
     glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-    glBeginQuery(GL_ANY_SAMPLES_PASSED, any_tagged_.name());
-    frame.fullscreen().draw(stencil_target_, program);
-    glEndQuery(GL_ANY_SAMPLES_PASSED);
+    if (mask == Mask::Tiles) {
+        find_tagged_tiles(frame);
+        classes_.bind(1);
+        tile_list_.draw(stencil_target_,
+                        frame.device().programs.get({"passes/tile_rectangles.vert", "techniques/hybrid/mask.frag"},
+                                                    TileList::defines()));
+    } else {
+        glBeginQuery(GL_ANY_SAMPLES_PASSED, any_tagged_.name());
+        frame.fullscreen().draw(stencil_target_,
+                                frame.device().programs.get({kFullscreen, "techniques/hybrid/mask.frag"}));
+        glEndQuery(GL_ANY_SAMPLES_PASSED);
+    }
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
     glStencilFunc(GL_ALWAYS, 0, 0xFF);
     glDisable(GL_STENCIL_TEST);
 }
 
-void Hybrid::find_tagged_tiles(const Frame& frame) {
+void Hybrid::find_tagged_tiles(Frame& frame) {
+    if (tiles_on_device(frame)) {
+        tile_list_.find(frame, classes_, kTagged);
+        return;
+    }
     const auto classes = classes_.read<std::uint8_t>();
     const View& view = frame.view();
     std::ranges::fill(tiles_.wanted, std::uint8_t{0});
+    std::ranges::fill(tiles_.nearest, 0.0F);
+    std::ranges::fill(tiles_.farthest, 1.0F);
     for (int y = 0; y < view.height; ++y) {
         const std::uint8_t* row = classes.data() + static_cast<std::ptrdiff_t>(y) * view.width;
         for (int x = 0; x < view.width; ++x) {
             if (row[x] == kTagged) {
-                tiles_.wanted[tiles_.tile_of(x, y)] = 1;
+                const std::size_t tile = tiles_.tile_of(x, y);
+                const float depth = depths_[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) +
+                                            static_cast<std::size_t>(x)];
+                tiles_.wanted[tile] = 1;
+                tiles_.nearest[tile] = std::max(tiles_.nearest[tile], depth);
+                tiles_.farthest[tile] = std::min(tiles_.farthest[tile], depth);
             }
         }
     }
+    tile_list_.send(tiles_);
 }
 
 void Hybrid::count(Frame& frame) {
     VolumeMask mask;
     if (mask_for(frame) == Mask::Tiles) {
-        find_tagged_tiles(frame);
-        mask.tiles = &tiles_;
+        if (tiles_on_device(frame)) {
+            mask.tile_list = &tile_list_;
+        } else {
+            mask.tiles = &tiles_;
+        }
     }
     switch (mask_for(frame)) {
         case Mask::Discard:
@@ -309,7 +338,7 @@ void Hybrid::count(Frame& frame) {
         mask.conditions = culling_.conditions();
     }
     // Nothing tagged, nothing drawn. Conditions do not nest, and tiles know it already.
-    const bool conditional = mask.kind == VolumeMask::Kind::Stencil && mask.tiles == nullptr && !cull_casters_;
+    const bool conditional = mask_for(frame) == Mask::Stencil && !cull_casters_;
     if (conditional) {
         glBeginConditionalRender(any_tagged_.name(), GL_QUERY_NO_WAIT);
     }
@@ -338,7 +367,7 @@ void Hybrid::resolve(Frame& frame) {
 
 std::size_t Hybrid::memory_bytes() const noexcept {
     return map_.bytes() + volumes_.bytes() + (classes_ ? classes_.bytes() : 0) +
-           (masked_depth_ ? masked_depth_.bytes() : 0);
+           (masked_depth_ ? masked_depth_.bytes() : 0) + tile_list_.bytes();
 }
 
 std::vector<DebugView> Hybrid::debug_views(const Plan& plan) const {
@@ -346,6 +375,9 @@ std::vector<DebugView> Hybrid::debug_views(const Plan& plan) const {
         return {};
     }
     std::vector<DebugView> views{{"classes", "Who decided, and what"}, {"tagged", "Tagged pixels"}, depth_map_view()};
+    if (mask_ == Mask::Auto || mask_ == Mask::Tiles) {
+        views.push_back({"tiles", "Tiles with tagged pixels"});
+    }
     const std::vector<DebugView> more = volume_views();
     views.insert(views.end(), more.begin(), more.end());
     return views;
@@ -357,6 +389,9 @@ DebugImage Hybrid::debug_image(Frame& frame, std::string_view id) {
     }
     if (id == "tagged") {
         return tagged_picture(frame);
+    }
+    if (id == "tiles") {
+        return tile_picture(frame);
     }
     return id == depth_map_view().id ? depth_map_picture(frame, map_) : volume_picture(frame, volumes_, id);
 }
@@ -399,6 +434,27 @@ DebugImage Hybrid::tagged_picture(Frame& frame) {
     return image;
 }
 
+DebugImage Hybrid::tile_picture(Frame& frame) {
+    DebugImage image = tagged_picture(frame);
+    const View& view = frame.view();
+    const std::vector<TileList::Tile> tiles = tile_list_.read();
+    for (const TileList::Tile& tile : tiles) {
+        const glm::ivec2 low = TileGrid::kTile_px * glm::ivec2{tile.column, tile.row};
+        const glm::ivec2 high = glm::min(low + TileGrid::kTile_px, glm::ivec2{view.width, view.height});
+        for (int y = low.y; y < high.y; ++y) {
+            for (int x = low.x; x < high.x; ++x) {
+                glm::vec3& rgb =
+                    image.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) +
+                              static_cast<std::size_t>(x)];
+                rgb = 0.6F * rgb + glm::vec3{0.4F, 0.3F, 0.0F};
+            }
+        }
+    }
+    image.caption = "tiles in which volumes are drawn, yellow: " + std::to_string(tiles.size()) +
+                    "; their tagged pixels, green";
+    return image;
+}
+
 std::vector<Statistic> Hybrid::statistics(Frame& frame) {
     if (!frame.plan().runs("lookup")) {
         return {};
@@ -422,8 +478,14 @@ std::vector<Statistic> Hybrid::statistics(Frame& frame) {
                        static_cast<double>(culling_.culled())});
     }
     if (mask_for(frame) == Mask::Tiles) {
-        all.push_back({"drawn_in_tiles", "Triangles drawn, once for each rectangle of tiles", "triangles",
-                       static_cast<double>(volumes_.drawn_in_tiles())});
+        all.push_back({"tagged_tiles", "Tiles of 16 x 16 pixels that hold tagged pixels", "tiles",
+                       static_cast<double>(tile_list_.read().size())});
+        const bool on_device = tiles_on_device(frame);
+        all.push_back({"drawn_in_tiles",
+                       on_device ? "Triangles drawn: those that touch such tiles"
+                                 : "Triangles drawn, once for each rectangle of such tiles",
+                       "triangles",
+                       static_cast<double>(on_device ? volumes_.drawn_of_list() : volumes_.drawn_in_tiles())});
     }
     all.push_back({"masked_fragments", "Fragments of the volumes under the mask", "fragments", updates});
     all.push_back(

@@ -4,6 +4,7 @@
 
 #include "gl/handles.h"
 #include "passes/centre_map.h"
+#include "passes/tile_list.h"
 #include "passes/volume_pass.h"
 #include "penumbra/technique.h"
 #include "techniques/hybrid/caster_culling.h"
@@ -31,20 +32,24 @@ public:
     [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
 
     enum class Mask { Auto, Stencil, Tiles, DepthBounds, Discard };
+    enum class TileForm { Auto, Gpu, Cpu };
     enum class Ratio { Off, Scalar, Conservative };
 
 private:
     void classify(Frame& frame);
     void install_mask(Frame& frame);
-    void find_tagged_tiles(const Frame& frame);
+    void find_tagged_tiles(Frame& frame);
     void count(Frame& frame);
     [[nodiscard]] Mask mask_for(const Frame& frame) const;
+    [[nodiscard]] bool tiles_on_device(const Frame& frame) const;
     [[nodiscard]] DebugImage class_picture(Frame& frame);
     [[nodiscard]] DebugImage tagged_picture(Frame& frame);
+    [[nodiscard]] DebugImage tile_picture(Frame& frame);
 
     CentreMap map_;
     VolumePass volumes_;
     Mask mask_ = Mask::Auto;
+    TileForm tile_form_ = TileForm::Auto;
     Ratio ratio_ = Ratio::Off;
     bool cull_casters_ = false;
     CasterCulling culling_;
@@ -59,7 +64,9 @@ private:
     RenderTarget stencil_target_;
     GLuint stencil_texture_ = 0;  ///< that stencil_target_ has
     Sampler compare_;
-    TileGrid tiles_;  ///< Mask::Tiles only
+    TileList tile_list_;         ///< Mask::Tiles only
+    TileGrid tiles_;             ///< likewise, sorted by the processor
+    std::vector<float> depths_;  ///< likewise: of the view
 };
 
 }  // namespace penumbra
