@@ -51,8 +51,8 @@ struct VolumeMask {
     unsigned wanted = 0;
     const TextureImage* depth_stencil = nullptr;
     /// Nothing need be drawn but in these tiles; nullptr: everywhere. A pre-filter: combine it with another kind. The
-    /// processor draws each triangle in the rectangles of wanted tiles that it touches, under their scissors; the device
-    /// draws once, without a read-back, what touches any. One of the two.
+    /// processor draws each triangle in the rectangles of wanted tiles that it touches, under their scissors; the
+    /// device draws once, without a read-back, what touches any. One of the two.
     const TileGrid* tiles = nullptr;
     const TileList* tile_list = nullptr;
     /// Per caster of the summary: a query without whose samples it is not drawn, 0 for none; empty: all are drawn.

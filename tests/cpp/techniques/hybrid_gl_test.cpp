@@ -1,7 +1,7 @@
 // The hybrid against its own parts: volumes where pixels are tagged, four comparisons elsewhere; and against the closed
 // forms of what is exact, what is missed and what is tagged.
-#include "support/thesis_scenes.h"
 #include "geometry/volume_tiles.h"
+#include "support/thesis_scenes.h"
 #include "techniques/renderer_fixture.h"
 
 namespace penumbra {
@@ -105,7 +105,7 @@ TEST_F(HybridGl, TilesOfTheComputeShaderAreTheProcessorsAndSoIsTheImage) {
     const std::vector<std::string> views{"tagged", "tiles"};
     std::vector<Scene> scenes{small(scenes::cubes()), small(scenes::cage()), small(scenes::tree())};
     scenes.push_back(under_blocker(scenes::sheet(-1, 0.3F, -1, 0.2F), 100));  // orthographic, a sun, tiles cut off
-    scenes.push_back(small(scenes::cage()));                                   // the eye in a volume: caps
+    scenes.push_back(small(scenes::cage()));                                  // the eye in a volume: caps
     scenes.back().camera = scenes::camera_towards({-1.2, 1.0, 0.3}, {1, -1, 0.5}, 150, 110);
     scenes.push_back(small(scenes::cubes()));
     scenes.back().lights[0].kind = LightKind::Sun;
@@ -286,42 +286,147 @@ TEST_F(HybridGl, ThePublishedFilteredFetchTagsNoMoreThanTheFourComparisons) {
     EXPECT_EQ(compare(pcf).tagged_wrong, 0U);
 }
 
-TEST_F(HybridGl, TheReceiversPlaneTagsLessAndErrsLess) {
-    const Scene scene = small(scenes::cubes());
-    const Wrong plane = compare(make(scene, {{"map_size", 256}}));
-    const Wrong one = compare(make(scene, {{"map_size", 256}, {"receiver_plane", false}}));
-    EXPECT_LT(plane.tagged, one.tagged);
-    EXPECT_LE(plane.missing + plane.falsely_dark, one.missing + one.falsely_dark);
+// 2.2: one depth for four texels goes wrong where acne and occlusion meet. The specification's figures of boxes on a
+// floor, 512 x 512, a map of 128: 454 wrong pixels and 13 551 tagged ones become 1 and 4 899.
+TEST_F(HybridGl, TheReceiversPlaneLeavesNoFalseShadowAndOneTipOfBoxesOnAFloor) {
+    Scene scene;
+    scene.instances.push_back(scenes::place(scenes::sheet(-4, 4, -4, 4), "floor"));
+    for (int i = 0; i < 5; ++i) {
+        const auto height = static_cast<float>(0.4 + 0.2 * i);
+        scene.instances.push_back(scenes::place(scenes::box({-0.3F, -0.25F, 0}, {0.3F, 0.25F, height}), "box",
+                                                {1.4 * i - 2.8, 0.9 * (i % 3) - 0.8, 0}));
+        const double turned = 0.3 + 0.7 * i;
+        scene.instances.back().world_from_local[0] = {std::cos(turned), std::sin(turned), 0, 0};
+        scene.instances.back().world_from_local[1] = {-std::sin(turned), std::cos(turned), 0, 0};
+    }
+    scene.lights.push_back(scenes::point_light({1.3, -2.1, 6.0}, 0.0));
+    scene.camera = scenes::camera_towards({1.0, -6.0, 5.0}, {0, 0, 0.2}, 512, 512);
+    const Wrong plane = compare(make(scene, {{"map_size", 128}}));
+    EXPECT_EQ(plane.falsely_dark, 0U);
+    EXPECT_LE(plane.missing, 1U);
+    EXPECT_EQ(plane.tagged_wrong, 0U);
+    const Wrong one = compare(make(scene, {{"map_size", 128}, {"receiver_plane", false}}));
+    EXPECT_GT(one.falsely_dark, 100U);
+    EXPECT_EQ(one.missing, plane.missing) << "the same tip: a low bias misses no shadow";
+    EXPECT_GT(one.tagged, 3 * plane.tagged);
 }
 
-TEST_F(HybridGl, ConservativeRatioCullingDropsOnlyWhereTheMapIsFinerThanThePicture) {
+// 3.2: a lit strip along a shadow's edge goes dark where the deeper texels lie in the real shadow and the nearer ones
+// fail by acne: 1 - B / g - x of a texel at phase x, in the mean (1 - B / g)^2 / 2, none from B = g on.
+TEST_F(HybridGl, ALowBiasLosesALitSliverOfTheClosedFormAtAShadowsEdge) {
+    constexpr int kMap = 24, kPhases = 6, kWide = 384, kHigh = 24;
+    for (const double bias : {0.1, 0.5, 1.02}) {
+        double mean = 0.0, widest = 0.0;
+        for (int phase = 0; phase < kPhases; ++phase) {
+            Scene scene = under_blocker(scenes::sheet(-20, 0, -20, 20), kWide);
+            scene.camera.height_px = kHigh;
+            scene.instances[0].world_from_local[0] = {1, 0, 1, 0};  // deeper where the shadow is
+            scene.instances[1].world_from_local[3].z = 30.0;
+            scene.camera.far_m = 400.0;
+            scene.camera.world_from_camera[3].z = 200.0;
+            const double texel = texel_m(scene, kMap);
+            scene.instances[1].world_from_local[3].x = texel * (phase + 0.5) / kPhases;
+            const Settings one{{"map_size", kMap}, {"receiver_plane", false}, {"bias", bias}};
+            const Wrong wrong = compare(make(scene, one));
+            EXPECT_EQ(wrong.missing, 0U) << "no shadow is missed";
+            EXPECT_EQ(wrong.tagged_wrong, 0U);
+            const double width = static_cast<double>(wrong.falsely_dark) / kHigh * (4.0 / kWide) / texel;
+            mean += width / kPhases;
+            widest = std::max(widest, width);
+            const Wrong plane = compare(make(scene, {{"map_size", kMap}, {"bias", bias}}));
+            EXPECT_EQ(plane.missing + plane.falsely_dark, 0U) << "the receiver's plane needs no bias";
+        }
+        const double lost = std::max(0.0, 1.0 - bias);
+        EXPECT_NEAR(mean, 0.5 * lost * lost, 0.03) << bias;
+        EXPECT_LE(widest, lost + 0.07) << bias;  // a pixel is 0.054 texels wide
+        EXPECT_GE(widest, lost - 1.0 / kPhases - 0.07) << bias;
+    }
+}
+
+// 3.2: at the bottom of a valley that opens towards the light all four texels lie higher: a strip of up to a texel, in
+// the mean (1 - 2 B / g)^2 / 2, none from B = g / 2 on.
+TEST_F(HybridGl, ALowBiasDarkensACreaseByTheClosedForm) {
+    constexpr int kMap = 24, kPhases = 6, kWide = 384, kHigh = 24;
+    const auto valley =
+        scenes::mesh("valley", {{-10, -10, 10}, {0, -10, 0}, {10, -10, 10}, {-10, 10, 10}, {0, 10, 0}, {10, 10, 10}},
+                     {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}});
+    for (const double bias : {0.1, 0.3, 0.52}) {
+        double mean = 0.0, widest = 0.0;
+        for (int phase = 0; phase < kPhases; ++phase) {
+            Scene scene = under_blocker(scenes::sheet(-0.1, 0.1, 30, 30.2), kWide);
+            scene.camera.height_px = kHigh;
+            scene.instances[1].world_from_local[3].z = 30.0;
+            scene.instances[0].mesh = valley;
+            const double texel = texel_m(scene, kMap);
+            scene.instances[0].world_from_local[3].x = texel * (phase + 0.5) / kPhases;
+            const Settings one{{"map_size", kMap}, {"receiver_plane", false}, {"bias", bias}};
+            const Wrong wrong = compare(make(scene, one));
+            EXPECT_EQ(wrong.missing, 0U);
+            EXPECT_EQ(wrong.tagged_wrong, 0U);
+            const double width = static_cast<double>(wrong.falsely_dark) / kHigh * (4.0 / kWide) / texel;
+            mean += width / kPhases;
+            widest = std::max(widest, width);
+            const Wrong plane = compare(make(scene, {{"map_size", kMap}, {"bias", bias}}));
+            EXPECT_EQ(plane.missing + plane.falsely_dark, 0U) << "the receiver's plane needs no bias";
+        }
+        const double lost = std::max(0.0, 1.0 - 2.0 * bias);
+        EXPECT_NEAR(mean, 0.5 * lost * lost, 0.03) << bias;
+        EXPECT_LE(widest, lost + 0.07) << bias;
+        EXPECT_GE(widest, lost - 2.0 / kPhases - 0.07) << bias;
+    }
+}
+
+// 2.6: dropped only where a texel's longer extent is under a pixel. The nearest texel's centre is then within
+// sqrt(1/2) of a pixel, on the receiver's plane, and V is the truth of that point: where it is wrong an edge passes at
+// that distance. Seen on a picture of seven times the resolution, for pixels whose neighbours lie in their plane.
+TEST_F(HybridGl, ConservativeRatioCullingMovesEdgesByLessThanAPixel) {
+    // The light of the cage has one face. Side faces, as the cubes have, are fitted to the few receivers in them, and
+    // texels there may be finer than pixels in any map.
+    const Scene one_face = small(scenes::cage());
+    EXPECT_EQ(compare(make(one_face, {{"map_size", 64}, {"ratio_culling", std::string{"conservative"}}})).tagged,
+              compare(make(one_face, {{"map_size", 64}})).tagged)
+        << "texels wider than pixels everywhere";
     const Scene scene = small(scenes::cubes());
     const Made all = make(scene, {{"map_size", 2048}});
     const Made culled = make(scene, {{"map_size", 2048}, {"ratio_culling", std::string{"conservative"}}});
-    const Wrong coarse = compare(make(scene, {{"map_size", 64}, {"ratio_culling", std::string{"conservative"}}}));
-    const Wrong coarse_all = compare(make(scene, {{"map_size", 64}}));
-    EXPECT_LT(compare(culled).tagged, compare(all).tagged);
-    EXPECT_LE(coarse_all.tagged - coarse.tagged, coarse_all.tagged / 1000)
-        << "texels wider than pixels nearly everywhere";
-    // A dropped pixel's edge is off by less than a pixel: where it is wrong an edge passes, or a shadow so thin that no
-    // neighbour shows it.
+    const auto view = renderer().view(control_);
+    constexpr int kFine = 7;
+    Scene fine = scene;
+    fine.camera.width_px *= kFine;
+    fine.camera.height_px *= kFine;
+    const std::vector<float> truth = visibility(fine, "shadow_volume");
     const int width = scene.camera.width_px;
-    std::size_t wrong = 0, dropped = 0;
+    constexpr int kReach = 5;  // samples: 0.71 of a pixel
+    int wrong = 0;
     for (int y = 1; y + 1 < scene.camera.height_px; ++y) {
         for (int x = 1; x + 1 < width; ++x) {
             const auto i = static_cast<std::size_t>(y * width + x);
-            dropped += all.tagged[i] != 0 && culled.tagged[i] == 0 ? 1 : 0;
             if (all.tagged[i] == 0 || culled.tagged[i] != 0 || culled.hybrid[i] == all.volumes[i]) {
                 continue;
             }
-            bool edge = false;
+            bool flat = true;
             for (const int j : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
-                edge = edge || all.volumes[i + static_cast<std::size_t>(j)] != all.volumes[i];
+                const auto at = i + static_cast<std::size_t>(j);
+                flat = flat &&
+                       std::abs(glm::dot(view->normal_ws[i], view->position_cr[at] - view->position_cr[i])) < 1e-3F;
             }
-            wrong += edge ? 0 : 1;
+            if (!flat) {
+                continue;
+            }
+            ++wrong;
+            bool near_by = false;
+            for (int dy = -kReach; dy <= kReach; ++dy) {
+                for (int dx = -kReach; dx <= kReach; ++dx) {
+                    const int at = (y * kFine + kFine / 2 + dy) * width * kFine + x * kFine + kFine / 2 + dx;
+                    near_by = near_by || (dx * dx + dy * dy <= kReach * kReach &&
+                                          truth[static_cast<std::size_t>(at)] == culled.hybrid[i]);
+                }
+            }
+            EXPECT_TRUE(near_by) << x << ", " << y;
         }
     }
-    EXPECT_LE(100 * wrong, dropped);
+    EXPECT_GT(wrong, 10) << "edges do move";
+    EXPECT_LT(compare(culled).tagged, compare(all).tagged);
     // The published estimate is no upper bound, so it drops more.
     const Made scalar = make(scene, {{"map_size", 2048}, {"ratio_culling", std::string{"scalar"}}});
     EXPECT_GE(compare(culled).tagged, compare(scalar).tagged);
@@ -391,9 +496,45 @@ TEST_F(HybridGl, CastersThatLieInShadowAltogetherAreCulled) {
         const auto found = std::find_if(culled.statistics.begin(), culled.statistics.end(),
                                         [](const Statistic& s) { return s.id == "culled_casters"; });
         ASSERT_NE(found, culled.statistics.end());
-        EXPECT_GE(found->value, 1.0) << mask;  // and one that shades nothing that is seen
-        EXPECT_LE(found->value, 2.0) << mask;
+        EXPECT_EQ(found->value, 1.0) << mask << ": the box under the awning";
     }
+}
+
+// What lies in a culled caster's shadow lies in its rectangle, so its four texels lie in the rectangle made a texel
+// larger, and all of them show something nearer than the caster: such pixels are dark and not tagged. So culling closes
+// no gap that the map has not closed: it changes no pixel, and what is lost is the map's, whole slits that no texel's
+// centre meets.
+TEST_F(HybridGl, CasterCullingUnderSlitsNarrowerThanATexelChangesNoPixel) {
+    constexpr int kRuns = 16, kMap = 32;
+    int unseen = 0;
+    for (int run = 0; run < kRuns; ++run) {
+        Scene scene = under_blocker(scenes::sheet(-20, 0, -20, 20), 256);
+        const double texel = texel_m(scene, kMap);
+        scene.instances[1].world_from_local[3] = {texel * run / kRuns, 0, 2, 1};
+        Instance half = scene.instances[1];  // the roof's other half, half a texel away
+        half.name = "other half";
+        half.mesh = scenes::sheet(0.5 * texel, 20, -20, 20);
+        scene.instances.push_back(half);
+        Instance box = scenes::place(scenes::box({-0.5F, -0.4F, 0.3F}, {0.5F, 0.4F, 0.7F}), "box");
+        box.visible = false;
+        box.receives = false;
+        scene.instances.push_back(box);
+        const Made kept = make(scene, {{"map_size", kMap}});
+        const Made culled = make(scene, {{"map_size", kMap}, {"caster_culling", true}});
+        EXPECT_EQ(kept.hybrid, culled.hybrid) << run;
+        const auto result =
+            renderer().visibility(0, {"hybrid", {{"map_size", kMap}, {"caster_culling", true}}}, false, control_);
+        const auto found = std::find_if(result.statistics.begin(), result.statistics.end(),
+                                        [](const Statistic& s) { return s.id == "culled_casters"; });
+        ASSERT_NE(found, result.statistics.end());
+        const Wrong wrong = compare(culled);
+        const auto lit = static_cast<std::size_t>(std::count(culled.volumes.begin(), culled.volumes.end(), 1.0F));
+        EXPECT_GT(lit, 0U) << "through the slit, beside the box";
+        EXPECT_EQ(wrong.missing, 0U);
+        EXPECT_EQ(wrong.falsely_dark, found->value == 2.0 ? lit : 0U) << run;
+        unseen += found->value == 2.0 ? 1 : 0;  // the box, and the ground itself
+    }
+    EXPECT_EQ(unseen, kRuns / 2) << "with probability 1 - width";
 }
 
 TEST_F(HybridGl, WithNothingTaggedTheMapDecidesAlone) {

@@ -49,6 +49,10 @@ vec2 step_in_map(int face_index, vec3 p_rel, vec3 step_rel) {
 // Pixels that a texel spans on the receiver. 1: the scalar estimate, the root of the extents' product along and across
 // the slope in the map; 2: the larger extent, so that no pixel is dropped whose edge could be seen in steps.
 float texel_extent_px(int face_index, vec3 p_cr, vec3 n) {
+    // A plane seen so nearly edge-on that the receiver's packed normal does not tell how nearly.
+    if (abs(orthographic ? dot(n, forward) : dot(n, normalize(p_cr))) < 2e-4) {
+        return 1e30;
+    }
     vec3 p_rel = p_cr - map.origin_cr.xyz;
     vec2 x = step_in_map(face_index, p_rel, step_on_plane(p_cr, n, pixel_right));
     vec2 y = step_in_map(face_index, p_rel, step_on_plane(p_cr, n, pixel_up));
@@ -62,8 +66,11 @@ float texel_extent_px(int face_index, vec3 p_cr, vec3 n) {
     return g * abs(dot(n, ray)) / max(abs(dot(n, l)) / length(l), 1e-6);
 #else
     float a = dot(x, x), c = dot(y, y), b = dot(x, y);
-    float smallest = 0.5 * (a + c) - sqrt(0.25 * (a - c) * (a - c) + b * b);
-    return smallest > 0.0 ? inversesqrt(smallest) : 1e30;
+    // One over the smaller singular value of (x y), by the larger one and their product: the difference of squares
+    // would lose all digits where a plane is seen nearly edge-on.
+    float area = abs(x.x * y.y - x.y * y.x);
+    float longest = sqrt(0.5 * (a + c) + sqrt(0.25 * (a - c) * (a - c) + b * b));
+    return area > 0.0 ? longest / area : 1e30;
 #endif
 }
 #endif

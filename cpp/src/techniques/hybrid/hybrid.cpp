@@ -443,15 +443,14 @@ DebugImage Hybrid::tile_picture(Frame& frame) {
         const glm::ivec2 high = glm::min(low + TileGrid::kTile_px, glm::ivec2{view.width, view.height});
         for (int y = low.y; y < high.y; ++y) {
             for (int x = low.x; x < high.x; ++x) {
-                glm::vec3& rgb =
-                    image.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) +
-                              static_cast<std::size_t>(x)];
+                glm::vec3& rgb = image.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) +
+                                           static_cast<std::size_t>(x)];
                 rgb = 0.6F * rgb + glm::vec3{0.4F, 0.3F, 0.0F};
             }
         }
     }
-    image.caption = "tiles in which volumes are drawn, yellow: " + std::to_string(tiles.size()) +
-                    "; their tagged pixels, green";
+    image.caption =
+        "tiles in which volumes are drawn, yellow: " + std::to_string(tiles.size()) + "; their tagged pixels, green";
     return image;
 }
 
