@@ -27,6 +27,8 @@ const std::vector<RuleInfo>& rules() {
          "a separating plane keeps the caster apart from the hull of light, eye and near rectangle, so that its volume "
          "is counted in front of what is seen and needs no caps",
          0.0},
+        {"device-without-depth-bounds", "the device has no GL_EXT_depth_bounds_test, so the stencil bit masks as well",
+         0.0},
         {"smoothie-without-width", "t is 0, so that smoothies cover no texel", 0.0},
         {"kernel-on-one-side",
          "the nearest and the farthest depth under the kernel lie on one side of the receiver, so all comparisons "

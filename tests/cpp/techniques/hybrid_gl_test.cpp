@@ -549,6 +549,20 @@ TEST_F(HybridGl, WithNothingTaggedTheMapDecidesAlone) {
     EXPECT_EQ(std::count(listed.hybrid.begin(), listed.hybrid.end(), 0.0F), 64 * 64);
 }
 
+TEST_F(HybridGl, ThePlanSaysWhatMaskServesWhereTheDeviceHasNoDepthBounds) {
+    renderer().set_scene(small(scenes::cage()));
+    const Job job{"hybrid", {{"mask", std::string{"depth_bounds"}}}};
+    const Plan plan = renderer().visibility(0, job, false, control_).plan;
+    const auto step =
+        std::find_if(plan.steps.begin(), plan.steps.end(), [](const Step& s) { return s.name == "depth bounds"; });
+    if (step != plan.steps.end()) {  // a device that has them says nothing
+        EXPECT_EQ(step->rule, "device-without-depth-bounds");
+        EXPECT_NE(step->reason.find("stencil"), std::string::npos) << step->reason;
+        EXPECT_NE(step->reason.find(renderer().environment().gl_renderer), std::string::npos) << step->reason;
+    }
+    EXPECT_FALSE(renderer().visibility(0, {"hybrid", {}}, false, control_).plan.runs("depth bounds"));
+}
+
 TEST_F(HybridGl, StatisticsAreWhatTheThesisReports) {
     const Scene scene = small(scenes::cage());
     renderer().set_scene(scene);

@@ -144,6 +144,12 @@ Plan Hybrid::plan(const LightSummary& summary) const {
             plan.run("casters in shadow");
         }
         plan.run("mask");
+        // Plans are made on the render thread; the image is the same.
+        const Context* context = Context::current();
+        if (mask_ == Mask::DepthBounds && context != nullptr && !context->extensions().depth_bounds_test) {
+            plan.leave_out("depth bounds", "device-without-depth-bounds",
+                           context->info().name + " has no GL_EXT_depth_bounds_test, so the stencil bit is the mask");
+        }
     }
     volumes_.plan(summary, "lookup", plan);
     return plan;
