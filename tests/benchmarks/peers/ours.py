@@ -10,7 +10,7 @@ import numpy as np
 
 from . import exchange, visibility
 from .exchange import SharedScene
-from .visibility import Image
+from .visibility import Image, Mask
 from .worker import Answer, timed
 
 TRUTH_FILE = "truth.npz"
@@ -47,7 +47,8 @@ class Ours:
         compared = mask & visibility.inside_surfaces(np.asarray(view.instance), normal, position)
         compared &= visibility.whole_light_above(self._shared.light, position_ws, normal)
         compared &= visibility.bright_enough(np.where(mask, unshadowed, 0))
-        filtered, filtered_error = self._filtered(COARSER * standard_error)
+        filtered, filtered_error, whole = self._filtered(view, COARSER * standard_error)
+        compared &= whole
         partial = self._folder / f"partial_{TRUTH_FILE}"
         np.savez(
             partial,
@@ -63,12 +64,14 @@ class Ours:
         partial.replace(self._folder / TRUTH_FILE)
         return took | {"rays_per_pixel": float(raw["mean_rays_per_pixel"]), "pixels": int(compared.sum())}
 
-    def _filtered(self, standard_error: float) -> tuple[Image, Image]:
-        """The irradiance ratio over whole pixels and its standard error: the mean over places in the pixel."""
+    def _filtered(self, centre: Any, standard_error: float) -> tuple[Image, Image, Mask]:
+        """The irradiance ratio over whole pixels and its standard error: the mean over places in the pixel; and where
+        all of them see the surface that the pixel's centre sees.
+        """
         import penumbra_core as core
 
         renderer, scene = core.Renderer(), core_scene(core, self._shared)
-        values, squares = [], []
+        values, squares, whole = [], [], np.ones(np.shape(centre.instance), bool)
         for seed, place in enumerate(PLACES):
             moved = scene.copy()
             camera = moved.camera
@@ -78,8 +81,12 @@ class Ours:
             raw = renderer.reference(0, standard_error=standard_error, seed=2 + seed)
             values.append(np.asarray(raw["irradiance"], np.float64))
             squares.append(np.square(raw["irradiance_standard_error"], dtype=np.float64))
+            view = renderer.view()
+            whole &= np.asarray(view.instance) == np.asarray(centre.instance)
+            turned = (np.asarray(view.normal_ws) * np.asarray(centre.normal_ws)).sum(axis=-1)
+            whole &= turned >= visibility.SAME_SURFACE_COS
         error = np.sqrt(np.mean(squares, axis=0) / len(PLACES))
-        return np.mean(values, axis=0).astype(np.float32), error.astype(np.float32)
+        return np.mean(values, axis=0).astype(np.float32), error.astype(np.float32), whole
 
     def jobs(self, sweep: str) -> Answer:
         """(technique, settings) of all techniques that serve the light, from the machinery of `penumbra compare`.
