@@ -326,6 +326,7 @@ class Comparer:
         record.seeds = len(seeds)
         record.memory_bytes = int(first["memory_bytes"])
         record.plan = [_step(step) for step in first["plan"]]
+        record.warnings = [str(warning["reason"]) for warning in first["warnings"]]
         record.statistics = [Statistic(**statistic) for statistic in first["statistics"]]
         measure, mask = self._core.measure_errors, reference.mask
         record.area = dict(measure(pictures, reference.area, reference.standard_error, mask))

@@ -86,6 +86,7 @@ class Record:
     time_ms: dict[str, Spread] = field(default_factory=dict)  # setup, dynamic, static, view
     memory_bytes: int = 0
     plan: list[Step] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)  # where the technique leaves its field of use
     statistics: list[Statistic] = field(default_factory=list)
     images: dict[str, str] = field(default_factory=dict)
     on_pareto_front: bool = False
@@ -401,6 +402,7 @@ def _record(record: Record) -> dict[str, Any]:
         "dominant_error": record.area["dominant"],
         "sentence": record.area["sentence"],
         "plan": [asdict(step) for step in record.plan],
+        "warnings": record.warnings,
         "statistics": [asdict(statistic) for statistic in record.statistics],
         "images": record.images,
         "on_pareto_front": record.on_pareto_front,
@@ -477,6 +479,7 @@ def _record_from(raw: dict[str, Any]) -> Record:
     record.memory_bytes, record.on_pareto_front = raw["memory_bytes"], raw["on_pareto_front"]
     record.on_own_front, record.headline_error = raw.get("on_own_front", False), raw.get("headline_error", 0.0)
     record.plan = [Step(**step) for step in raw["plan"]]
+    record.warnings = list(raw.get("warnings", []))  # reports from before had none
     record.statistics = [Statistic(**_numbers(statistic)) for statistic in raw["statistics"]]
     record.images = dict(raw["images"])
     return record

@@ -106,8 +106,8 @@ py::dict visibility(PyRenderer& self, std::size_t light, const std::string& tech
                                   progress, technique);
     const py::dict times("setup"_a = r.setup_ms, "update"_a = r.update_ms, "resolve"_a = r.resolve_ms);
     return py::dict("visibility"_a = self.image(std::move(r.visibility)), "settings"_a = to_python(r.settings),
-                    "plan"_a = to_python(r.plan), "statistics"_a = to_python(r.statistics),
-                    "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
+                    "plan"_a = to_python(r.plan), "warnings"_a = to_python(r.plan.warnings),
+                    "statistics"_a = to_python(r.statistics), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
 }
 
 py::list debug_images(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
@@ -161,7 +161,8 @@ py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pai
     for (const Measurement& m : results) {
         all.append(py::dict("setup"_a = to_python(m.setup), "dynamic"_a = to_python(m.dynamic_frame),
                             "static"_a = to_python(m.static_frame), "view"_a = to_python(m.view),
-                            "plan"_a = to_python(m.plan), "memory_bytes"_a = m.memory_bytes));
+                            "plan"_a = to_python(m.plan), "warnings"_a = to_python(m.plan.warnings),
+                            "memory_bytes"_a = m.memory_bytes));
     }
     return all;
 }
@@ -229,7 +230,8 @@ void bind_renderer(py::module_& m) {
             "Empty, or why the technique cannot serve the light.")
         .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "keep_everything"_a = false, "statistics"_a = true, "progress"_a = py::none(),
-             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.\n"
+             "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, warnings, statistics,\n"
+             "memory_bytes, time_ms}; warnings {id, reason}: where the technique leaves its field of use.\n"
              "statistics: count what the frame did, which may cost as much as the frame.")
         .def("debug_images", &debug_images, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "views"_a = std::vector<std::string>{}, "progress"_a = py::none(),

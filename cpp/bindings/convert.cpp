@@ -80,6 +80,14 @@ py::list to_python(const Plan& plan) {
     return steps;
 }
 
+py::list to_python(const std::vector<Warning>& warnings) {
+    py::list all;
+    for (const Warning& warning : warnings) {
+        all.append(py::dict("id"_a = warning.id, "reason"_a = warning.reason));
+    }
+    return all;
+}
+
 py::list to_python(const std::vector<Statistic>& statistics) {
     py::list all;
     for (const Statistic& s : statistics) {

@@ -14,6 +14,7 @@ namespace penumbra::bindings {
 [[nodiscard]] pybind11::object to_python(const SettingValue& value);
 [[nodiscard]] pybind11::dict to_python(const Settings& settings);
 [[nodiscard]] pybind11::list to_python(const Plan& plan);
+[[nodiscard]] pybind11::list to_python(const std::vector<Warning>& warnings);
 [[nodiscard]] pybind11::list to_python(const std::vector<Statistic>& statistics);
 [[nodiscard]] pybind11::dict to_python(const TimeSummary& times);
 

@@ -47,7 +47,8 @@ class Pictures:
 
     images: list[Image]
     masks: list[Mask]
-    surfaces: list[npt.NDArray[np.int64]]  # what each pixel sees: the number of the instance
+    surfaces: list[npt.NDArray[np.int64]]  # what each pixel sees: the number of the instance, in all frames the same
+    moving: list[set[int]]  # instances that stand elsewhere in the next frame
     truth: Callable[[int], Image]
     hard: Callable[[], Image]  # the truth of the first frame's first light without extent
     costs: Sequence[float] = ()  # of the images, in a sweep
@@ -75,7 +76,15 @@ def _truths(pictures: Pictures) -> list[Image]:
 
 def _steady(pictures: Pictures) -> list[Mask]:
     frames = pairwise(zip(pictures.masks, pictures.surfaces, strict=True))
-    return [((a != 0) & (b != 0) & (seen == then)).astype(np.uint8) for (a, seen), (b, then) in frames]
+    return [
+        ((a != 0) & (b != 0) & (seen == then) & ~np.isin(seen, list(moving))).astype(np.uint8)
+        for ((a, seen), (b, then)), moving in zip(frames, pictures.moving, strict=True)
+    ]
+
+
+def _moving(before: Setup, after: Setup) -> set[int]:
+    pairs = zip(before.parts, after.parts, strict=False)
+    return {i for i, (a, b) in enumerate(pairs) if not np.array_equal(a.world_from_local(), b.world_from_local())}
 
 
 def _converges(pictures: Pictures) -> float:
@@ -153,6 +162,7 @@ class Bench:
             images,
             masks,
             surfaces,
+            [_moving(a, b) for a, b in pairwise(self._frames)],
             lambda frame: self._truth(case, 0 if case.sweep else frame),
             lambda: self._hard_shadow(),
             costs,

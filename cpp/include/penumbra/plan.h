@@ -16,9 +16,16 @@ struct Step {
     double time_ms = 0.0;    ///< median over the measured frames; 0 if not run
 };
 
+/// Something of the scene that a technique is not made for: the image will be wrong in a way that is known.
+struct Warning {
+    std::string id;      ///< "hard-shadow"
+    std::string reason;  ///< one sentence with the numbers
+};
+
 /// What will be done and what will not, in order. Made before rendering from (light, view, scene, settings) alone.
 struct Plan {
     std::vector<Step> steps;
+    std::vector<Warning> warnings;  ///< where the technique leaves its field of use; empty within it
 
     void run(std::string name);
     void leave_out(std::string name, std::string rule, std::string reason, double tolerance = 0.0);

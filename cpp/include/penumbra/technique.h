@@ -28,6 +28,18 @@ struct TechniqueInfo {
     std::string knob;  ///< the swept setting that trades error for time the most; empty: the technique has none
 };
 
+/// What a technique, with its settings, takes for granted. Where a scene is otherwise it is drawn all the same, and the
+/// plan warns (passes/field_of_use).
+struct FieldOfUse {
+    bool needs_point_light = false;          ///< one point stands for the light
+    bool needs_small_light = false;          ///< what the light's centre does not see is black, however wide the light
+    bool needs_round_light = false;          ///< penumbrae know of a width, not of a shape
+    bool needs_line_light = false;           ///< one line stands for a round light
+    bool needs_clear_light = false;          ///< casters close to the light are cut off or moved away from it
+    bool needs_light_above_horizon = false;  ///< what of the light lies under a receiver's own plane counts as hidden
+    bool needs_float32_rays = false;         ///< distances must be told apart at the scale of the whole scene
+};
+
 /// An ordinary no: why this technique cannot serve this light, or empty for yes.
 struct Verdict {
     std::string reason;
@@ -73,6 +85,8 @@ public:
     [[nodiscard]] virtual Verdict supports(const Light& light) const = 0;
     /// Decides what runs; reads numbers only, touches no GPU object.
     [[nodiscard]] virtual Plan plan(const LightSummary& summary) const = 0;
+    /// What it takes for granted with its settings; by default nothing.
+    [[nodiscard]] virtual FieldOfUse field_of_use() const { return {}; }
     /// Programs, buffers, maps: what a second frame does not need again.
     virtual void prepare(Frame& frame) = 0;
     /// Light space: what depends on the casters and the light.

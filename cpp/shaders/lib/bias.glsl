@@ -13,6 +13,21 @@ const float bias_metres = 0.0;
 
 // Rounding of float32 depths, relative to the depth.
 const float kDepthRounding = 4.8e-7;
+// Rasterisers snap vertices to 1/256 of a texel, so that a stored plane stands aside by as much.
+const float kSnap = 1.0 / 256.0;
+
+// Metres by which the plane that a map holds of a receiver may lie before the receiver's own: its vertices are snapped,
+// and positions are rounded across the plane, which the light sees the longer the lower it stands over it. Under grazing
+// light that is more than any bias that is given in texels' widths.
+float plane_noise(MapPoint at) {
+#if MAP_ORTHOGRAPHIC
+    vec4 range_m = MAP_FACE(max(at.face, 0)).range_m;
+    float rounded = kDepthRounding * (range_m.y - range_m.x) / max(abs(at.towards_m), 1e-8);
+#else
+    float rounded = kDepthRounding * at.z_ls * at.z_ls / max(abs(at.towards_m), 1e-8 * at.z_ls);
+#endif
+    return kSnap * (abs(at.slope.x) + abs(at.slope.y)) + rounded;
+}
 
 // Where the receiver lies in the map, moved along its normal first where that is the bias.
 MapPoint find_biased(vec3 p_cr, vec3 n_ws) {
@@ -37,6 +52,9 @@ float depth_bias(MapPoint at, float reach) {
 #elif BIAS_MODE == 2
     float slope = min(bias_scale * reach * (abs(at.slope.x) + abs(at.slope.y)), slope_cap * at.texel_m);
     return bias_metres + at.z_ls * kDepthRounding + bias_constant * at.texel_m + slope;
+#elif BIAS_MODE == 3
+    return bias_metres + at.z_ls * kDepthRounding + bias_constant * at.texel_m +
+           min(plane_noise(at), slope_cap * at.texel_m);
 #else
     return bias_metres + at.z_ls * kDepthRounding + bias_constant * at.texel_m;
 #endif

@@ -25,8 +25,8 @@ void for_sides(const Adjacency& adjacency, const Adjacency::Edge& edge, const F&
     }
 }
 
-bool in_volume(bool towards, VolumeFaces faces) {
-    return faces == VolumeFaces::All || towards == (faces == VolumeFaces::Towards);
+TriangleFacing facing(double height) noexcept {
+    return height > 0.0 ? kFacesLight : (height < 0.0 ? kFacesAway : kSeenEdgeOn);
 }
 
 glm::dvec3 corner(const Mesh& mesh, std::uint32_t v) {
@@ -191,9 +191,9 @@ int edge_multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge, c
                       VolumeFaces faces) noexcept {
     int m = 0;
     for_sides(adjacency, edge, [&](std::uint32_t side) {
-        const bool front = towards[side / 2] != 0;
-        if (in_volume(front, faces)) {
-            m += ((side & 1U) != 0) == front ? -1 : 1;
+        const std::uint8_t seen = towards[side / 2];
+        if (bounds_volume(seen, faces)) {
+            m += ((side & 1U) != 0) == (seen == kFacesLight) ? -1 : 1;
         }
     });
     return m;
@@ -221,7 +221,7 @@ int count_crossings(const Mesh& mesh, const glm::dvec4& light_local, const glm::
         const bool sun = light_local.w == 0.0;
         const glm::dvec3 light{light_local};
         const double at_light = sun ? glm::dot(glm::cross(b - a, c - a), light) : side_of(a, b, c, light);
-        if (static_cast<std::int64_t>(t) == except || !in_volume(at_light > 0.0, faces)) {
+        if (static_cast<std::int64_t>(t) == except || !bounds_volume(facing(at_light), faces)) {
             continue;
         }
         const double at_p = side_of(a, b, c, p_local);
@@ -255,7 +255,7 @@ void VolumeMaker::face(const glm::dvec4& light_local) {
     const glm::dvec3 light = glm::dvec3{light_local} - light_local.w * centre_;
     for (std::size_t t = 0; t < planes_.size(); ++t) {
         const glm::dvec4& plane = planes_[t];
-        towards_[t] = plane.x * light.x + plane.y * light.y + plane.z * light.z - plane.w * light_local.w > 0.0 ? 1 : 0;
+        towards_[t] = facing(plane.x * light.x + plane.y * light.y + plane.z * light.z - plane.w * light_local.w);
     }
 }
 
@@ -265,10 +265,10 @@ void VolumeMaker::append(const glm::dvec4& light_local, VolumeFaces faces, const
     const auto near_of = [&](std::uint32_t v) { return 2 * (first_vertex + v); };
     const auto far_of = [&](std::uint32_t v) { return 2 * (first_vertex + v) + 1; };
     for (std::size_t t = 0; t < towards_.size(); ++t) {
-        const bool front = towards_[t] != 0;
-        if (!in_volume(front, faces)) {
+        if (!bounds_volume(towards_[t], faces)) {
             continue;
         }
+        const bool front = towards_[t] == kFacesLight;
         const glm::uvec3& v = mesh_->triangles[t];
         if (options.near_caps) {
             auto& list = front ? out.wound : out.flipped;

@@ -18,6 +18,13 @@ enum class VolumeFaces {
     All,      ///< every triangle: right for whatever mesh, at twice the work
 };
 
+/// What the light sees of a triangle. Of one that it sees edge-on, nothing: it shades nothing, and its volume is none.
+enum TriangleFacing : std::uint8_t { kFacesAway = 0, kFacesLight = 1, kSeenEdgeOn = 2 };
+[[nodiscard]] constexpr bool bounds_volume(std::uint8_t facing, VolumeFaces faces) noexcept {
+    return facing != kSeenEdgeOn &&
+           (faces == VolumeFaces::All || (facing == kFacesLight) == (faces == VolumeFaces::Towards));
+}
+
 /// How far a mesh is a solid.
 struct Closure {
     bool closed = false;       ///< every edge is run as often one way as the other, so "inside" has a meaning
@@ -40,7 +47,7 @@ struct Closure {
 
 /// Signed multiplicity of an edge: how often the sides of the volume run it from v0 to v1 (negative: from v1 to v0).
 /// Non-zero on silhouettes of solids (1, with VolumeFaces::All 2), on borders and where triangles crowd.
-/// @param towards  per triangle, 1 if its front faces the light
+/// @param towards  per triangle, a TriangleFacing
 [[nodiscard]] int edge_multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge,
                                     const std::uint8_t* towards, VolumeFaces faces) noexcept;
 
@@ -84,7 +91,7 @@ public:
     template <class F>
     void for_triangles(VolumeFaces faces, const F& f) const {
         for (std::uint32_t t = 0; t < towards_.size(); ++t) {
-            if (faces == VolumeFaces::All || (towards_[t] != 0) == (faces == VolumeFaces::Towards)) {
+            if (bounds_volume(towards_[t], faces)) {
                 f(t);
             }
         }

@@ -51,6 +51,7 @@ public:
     [[nodiscard]] const Program& lookup(Frame& frame, std::string_view fragment, const Defines& more = {}) const;
     /// Any program that includes lib/map_lookup.glsl (MAP_FACES, MAP_ORTHOGRAPHIC and the bias compiled in).
     [[nodiscard]] Defines defines() const { return options_.bias.defines(frustum_, options_.facing_test); }
+    [[nodiscard]] bool facing_test() const noexcept { return options_.facing_test; }
     /// Map at texture unit 2, peeled map at 3, block at uniform 1, bias uniforms.
     void bind(const Program& program);
     /// The block alone at uniform 1, for passes that draw into the map's space (lib/map_space.glsl).

@@ -35,6 +35,22 @@ gpu::MaskEdge record(const MapPoint& a, const MapPoint& b, bool looked_up) {
     return {glm::vec4{glm::vec3{a}, flag}, glm::vec4{glm::vec3{b}, flag}};
 }
 
+/// p - per_w (w - w_farthest) <= high, and the like below: planes, since p and w are affine in the image.
+void keep_in_hull(const MaskFace& mask_face, const glm::dvec3& a_ls, const glm::dvec3& b_ls, Part& kept) noexcept {
+    const MapFace& face = mask_face.face;
+    const double w_farthest = mask_w(face, face.farthest_m);
+    for (int axis = 0; axis < 2; ++axis) {
+        const double reach = mask_face.per_w[axis];
+        const auto beyond = [&](const glm::dvec3& p, double side) {
+            const double bound = side > 0.0 ? mask_face.high[axis] : -mask_face.low[axis];
+            return face.orthographic ? side * p[axis] - bound - reach * (mask_w(face, p.z) - w_farthest)
+                                     : side * p[axis] - reach - (bound - reach * w_farthest) * p.z;
+        };
+        kept.keep_below(beyond(a_ls, 1.0), beyond(b_ls, 1.0));
+        kept.keep_below(beyond(a_ls, -1.0), beyond(b_ls, -1.0));
+    }
+}
+
 }  // namespace
 
 double mask_w(const MapFace& face, double z_ls) noexcept {
@@ -51,18 +67,7 @@ bool add_mask_edge(const MaskFace& mask_face, int size_px, const glm::dvec3& a_l
     if (!whole) {
         kept.keep_below(nearest_m - a_ls.z, nearest_m - b_ls.z);
     }
-    // p - per_w (w - w_farthest) <= high, and the like below: planes, since p and w are affine in the image.
-    const double w_farthest = mask_w(face, face.farthest_m);
-    for (int axis = 0; axis < 2; ++axis) {
-        const double reach = mask_face.per_w[axis];
-        const auto beyond = [&](const glm::dvec3& p, double side) {
-            const double bound = side > 0.0 ? mask_face.high[axis] : -mask_face.low[axis];
-            return face.orthographic ? side * p[axis] - bound - reach * (mask_w(face, p.z) - w_farthest)
-                                     : side * p[axis] - reach - (bound - reach * w_farthest) * p.z;
-        };
-        kept.keep_below(beyond(a_ls, 1.0), beyond(b_ls, 1.0));
-        kept.keep_below(beyond(a_ls, -1.0), beyond(b_ls, -1.0));
-    }
+    keep_in_hull(mask_face, a_ls, b_ls, kept);
     if (kept.empty()) {
         return whole;
     }
@@ -106,6 +111,14 @@ bool add_mask_edge(const MaskFace& mask_face, int size_px, const glm::dvec3& a_l
         }
     }
     return whole;
+}
+
+bool passes_close(const MaskFace& mask_face, const glm::dvec3& a_ls, const glm::dvec3& b_ls) noexcept {
+    Part kept;
+    kept.keep_below(-a_ls.z, -b_ls.z);
+    kept.keep_below(a_ls.z - mask_face.nearest_m, b_ls.z - mask_face.nearest_m);
+    keep_in_hull(mask_face, a_ls, b_ls, kept);
+    return !kept.empty();
 }
 
 }  // namespace penumbra

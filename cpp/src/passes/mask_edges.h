@@ -31,4 +31,8 @@ struct MaskFace {
 bool add_mask_edge(const MaskFace& mask_face, int size_px, const glm::dvec3& a_ls, const glm::dvec3& b_ls,
                    std::vector<gpu::MaskEdge>& out);
 
+/// True if a part of a segment lies before a flat light, nearer to it than nearest_m, within the hull of light and
+/// receivers: no depth of the map tells whom it hides.
+[[nodiscard]] bool passes_close(const MaskFace& mask_face, const glm::dvec3& a_ls, const glm::dvec3& b_ls) noexcept;
+
 }  // namespace penumbra

@@ -398,7 +398,12 @@ void PenumbraMask::find_edges(Frame& frame) {
             for (const std::uint32_t e : found) {
                 const glm::dvec3 a = ls_from_local * glm::dvec3{mesh.positions_local[edges.edges[e].v0]} + shift_ls;
                 const glm::dvec3 b = ls_from_local * glm::dvec3{mesh.positions_local[edges.edges[e].v1]} + shift_ls;
-                if (!add_mask_edge(faces_[f], options_.size_px, a, b, edges_[f]) && sphere) {
+                const bool whole = add_mask_edge(faces_[f], options_.size_px, a, b, edges_[f]);
+                if (!whole && !sphere && passes_close(faces_[f], a, b)) {
+                    undecided_ = "a caster lies closer to the light than its maps reach";
+                    return;
+                }
+                if (!whole && sphere) {
                     // Beside or behind the sphere's centre: harmless unless it is close to it.
                     const glm::dvec3 along = b - a;
                     const double length2 = glm::dot(along, along);

@@ -22,14 +22,15 @@ const uint kMany = 0x80000000u;
 
 VolumeSlot slot;
 
-bool towards(uint triangle) {
+/// How far the light is before the triangle's front; 0: it sees it edge-on, so that it bounds no volume.
+float height(uint triangle) {
     vec4 p = texelFetch(planes, int(slot.first_plane + triangle));
     precise float s = p.x * slot.light.x + p.y * slot.light.y + p.z * slot.light.z - p.w * slot.light.w;
-    return s > 0.0;
+    return s;
 }
 
-bool in_volume(bool front) {
-    return slot.faces == 2u || front == (slot.faces == 0u);
+bool in_volume(float height) {
+    return height != 0.0 && (slot.faces == 2u || (height > 0.0) == (slot.faces == 0u));
 }
 
 uint in_place(uint vertex) {
@@ -44,10 +45,11 @@ void append(uint command, uvec3 triangle) {
 }
 
 void cap(uint triangle) {
-    bool front = towards(triangle);
-    if (!in_volume(front)) {
+    float seen = height(triangle);
+    if (!in_volume(seen)) {
         return;
     }
+    bool front = seen > 0.0;
     uvec3 v = texelFetch(indices, int(slot.first_triangle + triangle)).xyz;
     uvec3 near = uvec3(in_place(v.x), in_place(v.y), in_place(v.z));
     if (slot.near_caps != 0u) {
@@ -59,8 +61,8 @@ void cap(uint triangle) {
 }
 
 int vote(uint side) {
-    bool front = towards(side >> 1u);
-    return !in_volume(front) ? 0 : ((side & 1u) != 0u) == front ? -1 : 1;
+    float seen = height(side >> 1u);
+    return !in_volume(seen) ? 0 : ((side & 1u) != 0u) == (seen > 0.0) ? -1 : 1;
 }
 
 void sides(uint index) {

@@ -17,6 +17,13 @@ double largest(const glm::dvec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
+/// Of the height of a light over the plane of what a pixel sees, metres.
+double rounding_of(const Light& light, const View& view, std::size_t i) noexcept {
+    const glm::dvec3 position_cr{view.position_cr[i]};
+    const double size_m = largest(position_cr) + largest(light.position_ws - (view.eye_ws + position_cr));
+    return kSlackRoundings * std::numeric_limits<float>::epsilon() * size_m;
+}
+
 /// Beyond half the full angle Blender's spot is dark, whatever the blend.
 bool inside_cone(const Light& light, const glm::dvec3& from_light) noexcept {
     const glm::dvec3 axis_y = glm::cross(light.direction_ws, light.half_u_ws);
@@ -58,6 +65,33 @@ bool faces_light(const Light& light, const glm::dvec3& p, const glm::dvec3& n, d
     return false;
 }
 
+bool dips_under(const Light& light, const View& view, std::size_t i) noexcept {
+    const glm::dvec3 p = view.eye_ws + glm::dvec3{view.position_cr[i]};
+    const glm::dvec3 n{view.normal_ws[i]};
+    const glm::dvec3 to_light = light.position_ws - p;
+    const double slack_m = rounding_of(light, view, i);
+    const double height = glm::dot(n, to_light);
+    const double along_u = glm::dot(n, light.half_u_ws);
+    const double along_v = glm::dot(n, light.half_v_ws);
+    switch (light.kind) {
+        case LightKind::Point:
+        case LightKind::Spot:
+            return height - light.radius_m < -slack_m;
+        case LightKind::Sun:
+            return glm::dot(n, light.direction_ws) > -std::sin(0.5 * light.sun_angle_rad) + 1e-6;
+        case LightKind::Rectangle:
+            return height - std::abs(along_u) - std::abs(along_v) < -slack_m;
+        case LightKind::Ellipse:
+            return height - std::sqrt(along_u * along_u + along_v * along_v) < -slack_m;
+        case LightKind::Line:
+            return height - std::abs(along_u) < -slack_m;
+        case LightKind::Polygon:
+            return std::ranges::any_of(light.corners_ws,
+                                       [&](const glm::dvec3& corner) { return glm::dot(n, corner - p) < -slack_m; });
+    }
+    return false;
+}
+
 std::vector<std::uint8_t> light_mask(const Scene& scene, const View& view, const Light& light) {
     std::vector<std::uint8_t> mask(view.size(), 0);
     Control control;
@@ -68,10 +102,8 @@ std::vector<std::uint8_t> light_mask(const Scene& scene, const View& view, const
                 if (!view.hit(i) || !scene.instances[view.instance[i]].receives) {
                     continue;
                 }
-                const glm::dvec3 position_cr{view.position_cr[i]};
-                const glm::dvec3 position_ws = view.eye_ws + position_cr;
-                const double size_m = largest(position_cr) + largest(light.position_ws - position_ws);
-                const double slack_m = kSlackRoundings * std::numeric_limits<float>::epsilon() * size_m;
+                const glm::dvec3 position_ws = view.eye_ws + glm::dvec3{view.position_cr[i]};
+                const double slack_m = rounding_of(light, view, static_cast<std::size_t>(i));
                 mask[i] = faces_light(light, position_ws, glm::dvec3(view.normal_ws[i]), slack_m) ? 1 : 0;
             }
         },

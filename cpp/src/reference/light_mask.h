@@ -26,4 +26,7 @@ namespace penumbra {
 /// roundings of the View's position and normal, so that such a plane is dark as a whole and not speckled.
 [[nodiscard]] std::vector<std::uint8_t> light_mask(const Scene& scene, const View& view, const Light& light);
 
+/// True if a point of the light lies under the plane of what pixel `i` sees, by more than rounding.
+[[nodiscard]] bool dips_under(const Light& light, const View& view, std::size_t i) noexcept;
+
 }  // namespace penumbra

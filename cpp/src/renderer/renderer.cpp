@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <optional>
 
 #include "base/parallel.h"
 #include "geometry/radiometry.h"
 #include "gl/render_thread.h"
+#include "passes/field_of_use.h"
 #include "passes/frame.h"
 #include "passes/light_summary.h"
 #include "passes/map_layers.h"
@@ -155,6 +157,7 @@ public:
         const View& seen = view(device);
         const LightSummary& summarised = summary(device, index, keep_everything);
         run->plan = run->technique->plan(summarised);
+        run->plan.warnings = outside_field(run->technique->field_of_use(), summarised);
         run->frame = std::make_unique<Frame>(
             Frame::Inputs{device, *s.scene, s.gpu_scene, s.adjacency, s.view_pass, seen, summarised, s.fullscreen,
                           s.clock, control, [this, &control]() -> const RayScene& { return ray_scene(control); },
@@ -383,6 +386,10 @@ std::vector<BakedTexture> Renderer::bake(std::size_t light, const Job& job, Cont
 
 std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Job> jobs, bool keep_everything,
                                            const TimingOptions& timing, Control& control) {
+    if (!(timing.max_seconds >= 0.0 && std::isfinite(timing.max_seconds))) {
+        throw InvalidSettings("measure: max_seconds is " + std::to_string(timing.max_seconds) +
+                              "; give finite seconds from 0 on");
+    }
     return impl_->thread_.run([&](Device& device) {
         static_cast<void>(impl_->view(device));
         Control inner = Control::within(control);  // what a single frame has done is no progress of the measuring

@@ -465,6 +465,24 @@ TEST_F(HybridGl, SingularLightsAndMapsAreServed) {
     EXPECT_EQ(compare(make(scene, {{"map_size", 16}})).tagged_wrong, 0U);
 }
 
+TEST_F(HybridGl, APlaneUnderGrazingLightIsNotDarkFromItsOwnRoundedDepths) {
+    // Vertices are snapped to 1/256 of a texel and positions rounded: at a slope of 100 more than a bias in texels'
+    // widths.
+    Scene scene;
+    scene.instances.push_back(scenes::place(scenes::sheet(-20, 20, -20, 20), "ground"));
+    scene.instances.push_back(scenes::place(scenes::box({-1.1F, -0.1F, 0.0F}, {-0.9F, 0.1F, 1.0F}), "post"));
+    scene.camera = scenes::camera_towards({0.0, -11.0, 16.5}, {0.0, 0.0, 0.3}, 96, 72);
+    scene.camera.tan_half_width = 0.15;
+    for (const double height_m : {0.4, 0.04, 0.004}) {
+        scene.lights = {scenes::point_light({-4.0, 0.0, height_m}, 0.0)};
+        for (const int map_px : {128, 512, 2048}) {
+            const Wrong wrong = compare(make(scene, {{"map_size", map_px}}));
+            EXPECT_EQ(wrong.falsely_dark, 0U) << height_m << " m, " << map_px << " texels";
+            EXPECT_EQ(wrong.missing, 0U) << height_m << " m, " << map_px << " texels";
+        }
+    }
+}
+
 TEST_F(HybridGl, MoreThan127VolumesInEachOtherAreStillCounted) {
     Scene scene = under_blocker(scenes::sheet(-20, 0.013, -20, 20), 64);
     const Instance blocker = scene.instances[1];

@@ -209,6 +209,10 @@ std::vector<Place> places() {
         point_light({0.3, -0.2, 2.9}, 0.15));
     add("a caster through the light", {place(box({-0.1F, -0.1F, 0.0F}, {0.1F, 0.1F, 5.0F}), "pole", {0.3, -0.2, 0.0})},
         lamp, false);
+    Instance chip = place(sheet(-1e-4F, 1e-4F, -1e-4F, 1e-4F), "chip", {0.3, -0.2, 4.0 - 1e-6});
+    chip.visible = false;
+    add("a chip nearer to the light than the map's depths reach", {chip}, rectangle_light({0.3, -0.2, 4.0}, 4e-4, 4e-4),
+        false);
     add("a ball lamp with a collar", {place(sheet(-0.4, 0.4, -0.4, 0.4), "collar", {0.3, -0.2, 3.9})},
         point_light({0.3, -0.2, 4.0}, 0.3), false);
     return all;

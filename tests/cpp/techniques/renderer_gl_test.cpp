@@ -89,6 +89,17 @@ TEST_F(RendererContract, TwoRenderersLiveSideBySide) {
     EXPECT_EQ(a, b);
 }
 
+TEST_F(RendererContract, MeasuringForNoNumberOfSecondsIsASentence) {
+    renderer().set_scene(edge());
+    const std::vector<Job> jobs{{"shadow_map", {}}};
+    for (const double seconds :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0}) {
+        TimingOptions timing;
+        timing.max_seconds = seconds;
+        EXPECT_THROW(static_cast<void>(renderer().measure(0, jobs, false, timing, control_)), InvalidSettings);
+    }
+}
+
 TEST_F(RendererContract, MeasuringGivesEveryTimeAndEveryStep) {
     renderer().set_scene(edge());
     const std::vector<Job> jobs{{"shadow_map", {}}, {"light_samples", {{"samples", 4}}}, {"ray_traced", {{"rays", 4}}}};

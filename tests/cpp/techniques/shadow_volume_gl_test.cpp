@@ -251,6 +251,22 @@ TEST_F(ShadowVolumeGl, SoupsOfTrianglesBlockFromBothSides) {
     expect_the_rays_answer(scene);
 }
 
+TEST_F(ShadowVolumeGl, ATriangleWhosePlaneHoldsTheLightShadesNothing) {
+    // A light in the ground's own plane, within its outline: the ground's volume is neither the half-space above nor
+    // that below, and what stands on it is lit from the side.
+    Scene scene;
+    scene.instances.push_back(scenes::place(scenes::sheet(-12, 12, -12, 12), "ground"));
+    scene.instances.push_back(scenes::place(scenes::box({-1, -1, 0}, {1, 1, 1}), "box"));
+    scene.instances.back().receives = true;
+    scene.instances.front().receives = false;  // seen edge-on: rays and counts may say what they like there
+    scene.instances.push_back(scenes::place(scenes::box({2, -0.2F, 0.0F}, {2.2F, 0.2F, 0.5F}), "post"));
+    scene.lights.push_back(scenes::point_light({4.0, 0.0, 0.0}, 0.0));
+    scene.camera = look({6.0, -4.0, 3.0}, {0.5, 0.0, 0.3});
+    for (const char* silhouettes : {"gpu", "cpu"}) {
+        expect_the_rays_answer(scene, {{"silhouettes", std::string{silhouettes}}});
+    }
+}
+
 TEST_F(ShadowVolumeGl, CasterAndReceiverThatTouchLeaveNoGap) {
     // A box on the ground, seen from close by: no bias, so no strip of light at its foot.
     Scene scene;

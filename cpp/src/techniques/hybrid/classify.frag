@@ -81,6 +81,9 @@ void main() {
     int layer = max(at.face, 0);
     float size = float(map.counts.y);
     float bias_m = bias_texels * at.texel_m + kDepthRounding * at.z_ls;
+#ifdef RECEIVER_PLANE
+    bias_m += plane_noise(at);
+#endif
     float reference = window_depth(layer, at.z_ls - bias_m);
     vec2 corner = at.texel - 0.5;
     vec2 f = fract(corner);

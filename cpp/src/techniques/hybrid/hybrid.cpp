@@ -137,6 +137,10 @@ Verdict Hybrid::supports(const Light& /*light*/) const {
     return {};
 }
 
+FieldOfUse Hybrid::field_of_use() const {
+    return {.needs_point_light = true, .needs_clear_light = true, .needs_light_above_horizon = map_.facing_test()};
+}
+
 Plan Hybrid::plan(const LightSummary& summary) const {
     Plan plan;
     if (map_.plan(summary, "classify", plan)) {

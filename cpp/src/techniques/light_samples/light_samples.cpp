@@ -162,6 +162,10 @@ Define mask_define(const Frame& frame) {
 
 }  // namespace
 
+FieldOfUse LightSamples::field_of_use() const {
+    return {.needs_clear_light = true, .needs_light_above_horizon = facing_test_};
+}
+
 Plan LightSamples::plan(const LightSummary& summary) const {
     Plan plan;
     const LightSummary::Trivial trivial = summary.trivial();

@@ -238,6 +238,10 @@ std::string LinearLightMaps::no_skins(const LightSummary& summary, const std::ve
                : std::string{};
 }
 
+FieldOfUse LinearLightMaps::field_of_use() const {
+    return {.needs_line_light = strips_ == 0, .needs_clear_light = true, .needs_light_above_horizon = facing_test_};
+}
+
 Plan LinearLightMaps::plan(const LightSummary& summary) const {
     Plan plan;
     const LightSummary::Trivial trivial = summary.trivial();

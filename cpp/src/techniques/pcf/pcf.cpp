@@ -99,6 +99,10 @@ Verdict Pcf::supports(const Light& /*light*/) const {
     return {};
 }
 
+FieldOfUse Pcf::field_of_use() const {
+    return {.needs_point_light = true, .needs_clear_light = true, .needs_light_above_horizon = map_.facing_test()};
+}
+
 Plan Pcf::plan(const LightSummary& summary) const {
     Plan plan;
     if (map_.plan(summary, "filtered lookup", plan) && mask_ && !summary.keep_everything) {

@@ -199,6 +199,13 @@ std::string PenumbraMaps::too_narrow(const LightSummary& summary) const {
     return widest < 0.49 ? "no penumbra is wider than " + number_in_words(widest) + " texels" : std::string{};
 }
 
+FieldOfUse PenumbraMaps::field_of_use() const {
+    return {.needs_small_light = !options_.both_sides,
+            .needs_round_light = true,
+            .needs_clear_light = true,
+            .needs_light_above_horizon = map_.facing_test()};
+}
+
 Plan PenumbraMaps::plan(const LightSummary& summary) const {
     Plan plan;
     if (!map_.plan(summary, kLookup, plan)) {

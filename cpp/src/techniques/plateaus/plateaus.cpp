@@ -356,6 +356,13 @@ std::string Plateaus::step_of(const Layout& layout, std::size_t plane) {
     return "plateau " + std::to_string(plane + 1) + ", " + layout.receivers.planes[plane].name;
 }
 
+FieldOfUse Plateaus::field_of_use() const {
+    return {.needs_small_light = !both_sides_,
+            .needs_round_light = true,
+            .needs_clear_light = true,
+            .needs_light_above_horizon = map_.facing_test()};
+}
+
 Plan Plateaus::plan(const LightSummary& summary) const {
     Plan plan;
     const LightSummary::Trivial trivial = summary.trivial();

@@ -38,6 +38,10 @@ Verdict ShadowMap::supports(const Light& /*light*/) const {
     return {};
 }
 
+FieldOfUse ShadowMap::field_of_use() const {
+    return {.needs_point_light = true, .needs_clear_light = true, .needs_light_above_horizon = map_.facing_test()};
+}
+
 Plan ShadowMap::plan(const LightSummary& summary) const {
     Plan plan;
     map_.plan(summary, "lookup", plan);

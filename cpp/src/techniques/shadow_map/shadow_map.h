@@ -16,6 +16,7 @@ public:
     [[nodiscard]] const TechniqueInfo& info() const noexcept override { return description(); }
     [[nodiscard]] Verdict supports(const Light& light) const override;
     [[nodiscard]] Plan plan(const LightSummary& summary) const override;
+    [[nodiscard]] FieldOfUse field_of_use() const override;
     void prepare(Frame& frame) override;
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;

@@ -30,6 +30,10 @@ Verdict ShadowVolume::supports(const Light& /*light*/) const {
     return {};
 }
 
+FieldOfUse ShadowVolume::field_of_use() const {
+    return {.needs_point_light = true, .needs_light_above_horizon = true};
+}
+
 Plan ShadowVolume::plan(const LightSummary& summary) const {
     Plan plan;
     volumes_.plan(summary, "lookup", plan);

@@ -156,6 +156,13 @@ bool Smoothies::reads_depth(const LightSummary& summary) const noexcept {
     return bias_.cull() != Cull::None || !std::ranges::all_of(summary.receivers, casts);
 }
 
+FieldOfUse Smoothies::field_of_use() const {
+    return {.needs_small_light = !both_sides_,
+            .needs_round_light = true,
+            .needs_clear_light = true,
+            .needs_light_above_horizon = map_.facing_test()};
+}
+
 Plan Smoothies::plan(const LightSummary& summary) const {
     Plan plan;
     if (!map_.plan(summary, kLookup, plan)) {
