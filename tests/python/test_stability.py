@@ -100,10 +100,12 @@ def test_pops_are_changes_where_the_truth_stays() -> None:
 
 
 def test_even_steps_are_told_from_a_jump() -> None:
-    frames = [RAMP + 0.01 * i for i in range(6)]
+    frames = [RAMP + 0.1 * i for i in range(6)]
     assert properties.unevenness(frames, [whole(RAMP)] * 5) == pytest.approx(1.0, abs=0.01)
-    jumping = [*frames[:3], *(frame + 0.2 for frame in frames[3:])]
-    assert properties.unevenness(jumping, [whole(RAMP)] * 5) > 10
+    jumping = [*frames[:3], *(frame + 0.5 for frame in frames[3:])]
+    assert properties.unevenness(jumping, [whole(RAMP)] * 5) == pytest.approx(6.0, abs=0.01)
+    flipping = [np.where(np.arange(RAMP.size).reshape(RAMP.shape) < i, 1, 0).astype(np.float32) for i in (0, 0, 1, 1)]
+    assert properties.unevenness(flipping, [whole(RAMP)] * 3) == 1.0, "one pixel is no jump"
 
 
 # --- scenes ----------------------------------------------------------------------------------------------------------

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import resource
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -51,6 +54,7 @@ class Pictures:
     moving: list[set[int]]  # instances that stand elsewhere in the next frame
     truth: Callable[[int], Image]
     hard: Callable[[], Image]  # the truth of the first frame's first light without extent
+    memory_mb: list[float]  # in use after each image
     costs: Sequence[float] = ()  # of the images, in a sweep
     warnings: list[str] = field(default_factory=list)
 
@@ -102,8 +106,16 @@ MEASURES: Mapping[str, Callable[[Pictures], float]] = {
     "monotone": lambda pictures: properties.wrong_way(pictures.images, pictures.hard(), pictures.masks[0]),
     "no popping": lambda pictures: properties.pops(pictures.images, _truths(pictures), _steady(pictures)),
     "even steps": lambda pictures: properties.unevenness(pictures.images, _steady(pictures)),
+    "no leak": lambda pictures: pictures.memory_mb[-1] - pictures.memory_mb[len(pictures.memory_mb) // 2],
     "converges": _converges,
 }
+
+
+def resident_mb() -> float:
+    """Memory that the process has in use; 0 where the system does not tell."""
+    with contextlib.suppress(OSError, IndexError, ValueError):
+        return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1048576.0
+    return 0.0
 
 
 class Bench:
@@ -148,7 +160,7 @@ class Bench:
         if case.sweep:
             setting, costs = SWEEPS[case.sweep][technique]
             runs = [(0, {setting: value}) for value in costs]
-        images, masks, surfaces = [], [], []
+        images, masks, surfaces, memory_mb = [], [], [], []
         warnings: dict[str, None] = {}
         for frame, settings in runs:
             self.renderer.set_scene(self._scenes[frame])
@@ -157,6 +169,7 @@ class Bench:
             images.append(np.array(made["visibility"]))
             masks.append(np.array(self.renderer.mask(light)))
             surfaces.append(np.array(self.renderer.view().instance, np.int64))
+            memory_mb.append(resident_mb())
             warnings |= dict.fromkeys(warning["reason"] for warning in made.get("warnings", ()))
         return Pictures(
             images,
@@ -165,6 +178,7 @@ class Bench:
             [_moving(a, b) for a, b in pairwise(self._frames)],
             lambda frame: self._truth(case, 0 if case.sweep else frame),
             lambda: self._hard_shadow(),
+            memory_mb,
             costs,
             list(warnings),
         )

@@ -32,7 +32,7 @@ class Case:
     sweep: str = ""  # what is swept in place of scenes: "samples" or "maps"
     quick: bool = True  # part of --quick
     ends_s: float = 60.0
-    memory_mb: float = 1024.0
+    memory_mb: float = 2048.0  # of the whole process, which keeps the driver's programs of all techniques before
 
 
 EVERY_PICTURE = (Check("finite", 0.0), Check("in 0 to 1", 0.0))
@@ -73,10 +73,12 @@ def _moved(power: int) -> Case:
 def _light_size(kind: str, size: float) -> Case:
     label = f"{size:g}".replace("e-0", "e-")
     exact = kind in ("rectangle", "polygon") and size > 0.0
+    # A sphere grows upwards, so that the scene stays outside of it.
+    height = scenes.LIGHT_HEIGHT_M + (0.5 * size if kind in ("point", "spot") else 0.0)
     return Case(
         f"light-{kind}-{label}m",
-        f"the yard under a {kind} light {label} m wide, 4 m above it",
-        lambda: (scenes.yard(size, kind),),
+        f"the yard under a {kind} light {label} m wide, {height:g} m above it",
+        lambda: (under(scenes.yard(), scenes.lamp(kind, size, (0.3, -0.2, height))),),
         (PENUMBRA, ELSEWHERE),
         truth="exact" if exact else "rays",
         quick=size in (0.0, 60.0),
@@ -173,6 +175,8 @@ CASES: tuple[Case, ...] = (
     *(_light_size("rectangle", size) for size in (0.0, 1e-9, 1e-3, 0.1, 1.0, 6.0, 60.0)),
     *(_light_size(kind, size) for kind in ("point", "spot", "sun", "ellipse", "line", "polygon")
       for size in (0.0, 60.0)),
+    Case("scene-in-light", "the yard inside a sphere of light", lambda: (scenes.yard(60.0, "point"),),
+         truth="rays"),
     Case("light-grows", "a half-plane's shadow while the light grows from 0 to 2 m",
          lambda: [under(scenes.edge(2.0), scenes.rectangle(size, (0.0, 0.0, 4.0)))
                   for size in (0.0, 0.1, 0.3, 0.6, 1.0, 2.0)], (MONOTONE,)),
@@ -281,6 +285,9 @@ CASES: tuple[Case, ...] = (
              for part in scenes.yard().parts))), STEADY),
     Case("light-grows-slowly", "the yard's light grows by 2 cm in 9 frames",
          _animated(9, lambda t: scenes.yard(0.6 + 0.02 * t)), STEADY),
+    Case("frames-24", "24 frames of two scenes in turn, in 32 x 24 pixels",
+         lambda: [_small(setup) for _ in range(12) for setup in (scenes.yard(), scenes.standing())],
+         (Check("no leak", 32.0),)),
     # Quality settings.
     Case("more-samples", "the yard with more and more samples", lambda: (scenes.yard(),),
          (Check("converges", -0.5),), sweep="samples"),
@@ -289,6 +296,10 @@ CASES: tuple[Case, ...] = (
     Case("not-a-number", "NaN and infinity in every field of scene, light, camera, mesh and settings", None,
          (Check("refused", 0.0),)),
 )  # fmt: skip
+
+
+def _small(setup: Setup) -> Setup:
+    return replace(setup, eye=replace(setup.eye, size_px=(32, 24)))
 
 
 def _bowl() -> shapes.Shape:

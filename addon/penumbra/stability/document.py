@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files import write_bytes
+from . import limits
 from .cases import Case
 from .rows import OUTCOMES, SCHEMA, Outcome, Row, worst
 
@@ -61,9 +62,9 @@ def findings(rows: Sequence[Row]) -> list[Finding]:
     groups: dict[tuple[Outcome, str, str, float], list[Row]] = {}
     for row in rows:
         if row.outcome != "holds":
-            groups.setdefault(
-                (row.outcome, row.property, row.reason.partition("; the plan warns")[0], row.bound), []
-            ).append(row)
+            groups.setdefault((row.outcome, row.property, row.reason.partition(limits.SAYS)[0], row.bound), []).append(
+                row
+            )
     found = []
     for (outcome, name, reason, bound), members in groups.items():
         values = [row.value for row in members if row.value is not None]

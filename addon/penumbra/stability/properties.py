@@ -124,10 +124,13 @@ def pops(images: Sequence[Image], truths: Sequence[Image], steady: Sequence[Mask
     return worst
 
 
-def unevenness(images: Sequence[Image], steady: Sequence[Mask], floor: float = 2e-3) -> float:
+def unevenness(images: Sequence[Image], steady: Sequence[Mask]) -> float:
     """The largest step of an animation (RMS change between two frames) over the median one: a steady motion has about
-    1. Steps below the floor count as it. steady: as for pops()."""
-    steps = [max(floor, rms_difference(a, b, mask)) for (a, b), mask in zip(pairwise(images), steady, strict=True)]
+    1. Steps no larger than that of a single pixel from 0 to 1 count as such a one. steady: as for pops()."""
+    steps = [
+        max(rms_difference(a, b, mask), 1.0 / math.sqrt(max(1, int(mask.sum()))))
+        for (a, b), mask in zip(pairwise(images), steady, strict=True)
+    ]
     return max(steps) / float(np.median(steps))
 
 

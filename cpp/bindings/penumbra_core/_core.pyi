@@ -350,7 +350,8 @@ class Renderer:
         progress: typing.Any = None,
     ) -> dict:
         """
-        {visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, statistics, memory_bytes, time_ms}.
+        {visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, warnings, statistics,
+        memory_bytes, time_ms}; warnings {id, reason}: where the technique leaves its field of use.
         statistics: count what the frame did, which may cost as much as the frame.
         """
     @property
