@@ -33,7 +33,7 @@ def _stability(arguments: argparse.Namespace) -> int:
         from ..files import why_not_writable, write_bytes
         from ..progress import Progress
         from ..stability import document, run
-        from ..stability.cases import CASES
+        from ..stability.cases import CASES, QUICK
 
     check_folder(arguments.out, why_not_writable(arguments.out))
     if arguments.page is not None:
@@ -46,7 +46,7 @@ def _stability(arguments: argparse.Namespace) -> int:
     cases = [
         case
         for case in CASES
-        if (case.quick or not arguments.quick)
+        if (case.id in QUICK or not arguments.quick)
         and (not arguments.cases or any(fnmatchcase(case.id, pattern) for pattern in arguments.cases))
     ]
     if not cases:

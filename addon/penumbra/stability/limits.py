@@ -78,6 +78,8 @@ LIMITS: tuple[Limit, ...] = (
     _outside(OUTER, ALL, "penumbra", 1.0,
              "the umbra never shrinks (plateaus B4, penumbra maps 3.4 B and C, smoothies 3): black where a light wider "
              "than its caster leaves no umbra, down to -1", BLACK),
+    _outside(OUTER, ("light-line-*",), "penumbra", 1.0,
+             "the umbra never shrinks, and a long line leaves none of what it passes on both sides", LONG),
     _outside(OUTER, (*BESIDE, *DEEP), "penumbra", 1.0,
              "edges at the light are cut off before anything is divided by their depth (penumbra maps 4, plateaus 4, "
              "smoothies 4: b/r -> 0)", AT_LIGHT),
@@ -128,6 +130,9 @@ LIMITS: tuple[Limit, ...] = (
     _bounded(EVERYONE, ("contact-ulp",), "umbra and light", 0.05,
              "float32: at a few pixels the view cannot tell the plate from the ground one ulp below it and asks for "
              "the ground's V, which lies within every method's bias (contacts closer than 1e-6 of the scene's size)"),
+    _bounded(("smoothies",), ("denormal-light",), "same image", 0.02,
+             "a light of any extent has smoothies, however narrow: as t -> 0 the 2 x 2 filtered hard map is left, not "
+             "the nearest texel's (smoothies 4, t = 0)"),
     # Convergence.
     _bounded(("linear_light_maps",), ("more-samples",), "converges", 0.0,
              "no rate is published: the error in a segment is its share 1/(N - 1) at most and falls where segments "
