@@ -22,9 +22,11 @@ const float kSnap = 1.0 / 256.0;
 float plane_noise(MapPoint at) {
 #if MAP_ORTHOGRAPHIC
     vec4 range_m = MAP_FACE(max(at.face, 0)).range_m;
-    float rounded = kDepthRounding * (range_m.y - range_m.x) / max(abs(at.towards_m), 1e-8);
+    float from_eye_m = length(map.origin_cr.xyz) + range_m.y - range_m.x;
+    float rounded = kDepthRounding * from_eye_m / max(abs(at.towards_m), 1e-8);
 #else
-    float rounded = kDepthRounding * at.z_ls * at.z_ls / max(abs(at.towards_m), 1e-8 * at.z_ls);
+    float from_eye_m = length(map.origin_cr.xyz) + at.z_ls;  // at most: positions are rounded relative to the eye
+    float rounded = kDepthRounding * from_eye_m * at.z_ls / max(abs(at.towards_m), 1e-8 * at.z_ls);
 #endif
     return kSnap * (abs(at.slope.x) + abs(at.slope.y)) + rounded;
 }
