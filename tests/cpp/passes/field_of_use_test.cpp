@@ -56,8 +56,8 @@ TEST(FieldOfUse, OnePointForALightIsSaidWhereTheLightHasAnExtent) {
 }
 
 TEST(FieldOfUse, AnUmbraThatEndsBeforeTheReceiversIsSaidWithItsLength) {
-    // Box of half width 0.5 at 1 m, light at 5 m, so 4 m apart: with a light of radius R the umbra is 0.5 * 4 / (R - 0.5)
-    // long, and the farthest receiver is 1 + 2 sqrt 2 = 3.8 m away. The limit is R = 1.02.
+    // Box of half width 0.5 at 1 m, light at 5 m, so 4 m apart: with a light of radius R the umbra is 0.5 * 4 / (R -
+    // 0.5) long, and the farthest receiver is 1 + 2 sqrt 2 = 3.8 m away. The limit is R = 1.02.
     const FieldOfUse field{.needs_small_light = true};
     std::string sentence;
     EXPECT_EQ(warned(ground_and_box(scenes::point_light({0, 0, 5}, 0.9), kAbove), field), Ids{});
