@@ -55,6 +55,7 @@ class Options:
     keep_everything: bool = False
     use_cache: bool = True
     timing_seconds: float = 3.0  # for each median, soft
+    measure_savings: bool = False  # time each job with every rule kept as well
 
 
 @dataclass(frozen=True)
@@ -368,17 +369,24 @@ class Comparer:
                     self.failures.append(Failure(f"{where}, {job.id}", record.reason))
 
     def _measure(self, done: list[tuple[int, Record, Job]]) -> None:
-        # A dynamic and a static frame of each, and the view, each within timing_seconds; most end sooner.
-        started, longest = time.monotonic(), self._options.timing_seconds * (2 * len(done) + 1)
+        # A dynamic, a static and a kept frame of each, and the view, each within timing_seconds; most end sooner.
+        jobs = [(job.id, job.settings) for _, _, job in done]
+        kept: list[list[str]] = [[] for _ in jobs]
+        if self._options.measure_savings and not self._options.keep_everything:
+            jobs, kept = jobs * 2, kept + [["all"] for _ in jobs]
+        started, longest = time.monotonic(), self._options.timing_seconds * (3 * len(jobs) + 1)
         measured = self._renderer.measure(
             done[0][0],
-            [(job.id, job.settings) for _, _, job in done],
+            jobs,
             keep_everything=self._options.keep_everything,
             max_seconds=self._options.timing_seconds,
             progress=lambda fraction, text: self._progress((time.monotonic() - started) / longest),
+            keep_rules=kept,
         )
-        for (_, record, _), answer in zip(done, measured, strict=True):
-            record.time_ms = {name: _spread(answer[name]) for name in ("setup", "dynamic", "static", "view")}
+        for (_, record, _), answer in zip(done, measured[len(done) :], strict=False):
+            record.everything_ms = {name: _spread(answer[name]) for name in ("dynamic", "static")}
+        for (_, record, _), answer in zip(done, measured, strict=False):
+            record.time_ms = {name: _spread(answer[name]) for name in ("setup", "dynamic", "static", "kept", "view")}
             record.time_ms["setup"].tight = None  # it happens once
             record.plan = [_step(step) for step in answer["plan"]]
             record.memory_bytes = int(answer["memory_bytes"]) or record.memory_bytes

@@ -33,11 +33,22 @@ def _setting(technique: str, setting: dict[str, Any]) -> str:
     return f"{technique}.{setting['id']}={default}  ({allowed}{unit}) {setting['help']}{tried}"
 
 
-def rules_text(rules: list[dict[str, Any]]) -> str:
-    """What may be left out when, and by how much V may then change."""
-    width = max((len(str(rule["id"])) for rule in rules), default=0)
-    lines = []
+def tolerance_text(tolerance: float) -> str:
+    return "exact" if tolerance == 0 else f"changes V by {tolerance:g} at most"
+
+
+def users_text(rule: dict[str, Any], every: int) -> str:
+    """The techniques that a rule can fire in; `every`: how many there are."""
+    users = rule["techniques"]
+    return "all techniques" if len(users) == every else ", ".join(users) or "the reference"
+
+
+def rules_text(rules: list[dict[str, Any]], every: int) -> str:
+    """What may be left out when, by how much V may then change, what of a frame it saves, and where."""
+    blocks = []
     for rule in rules:
-        tolerance = "exact" if rule["tolerance"] == 0 else f"changes V by {rule['tolerance']:g} at most"
-        lines.append(f"{rule['id']:<{width}}  {rule['condition']} ({tolerance})")
-    return "\n".join(lines)
+        lines = [f"{rule['id']}: {tolerance_text(rule['tolerance'])}; {rule['stage']}"]
+        for text in (rule["condition"], f"in {users_text(rule, every)}"):
+            lines += textwrap.wrap(str(text), 100, initial_indent="  ", subsequent_indent="  ")
+        blocks.append("\n".join(lines))
+    return "\n\n".join(blocks)

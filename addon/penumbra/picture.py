@@ -148,6 +148,7 @@ class Painter:
             keep_everything=self._wanted.keep_everything,
             statistics=False,
             progress=self._progress,
+            reuse=True,
         )
         return np.asarray(answer["visibility"])
 

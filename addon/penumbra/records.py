@@ -83,7 +83,8 @@ class Record:
     irradiance: dict[str, Any] | None = None
     flip: float | None = None
     headline_error: float = 0.0  # standard error of `headline`
-    time_ms: dict[str, Spread] = field(default_factory=dict)  # setup, dynamic, static, view
+    time_ms: dict[str, Spread] = field(default_factory=dict)  # setup, dynamic, static, kept, view
+    everything_ms: dict[str, Spread] = field(default_factory=dict)  # dynamic, static: nothing left out, if measured
     memory_bytes: int = 0
     plan: list[Step] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)  # where the technique leaves its field of use
@@ -109,6 +110,12 @@ class Record:
             return {}
         # Before steps of several settings there was no "changed".
         return dict(self.sweep.get("changed") or {self.sweep["setting"]: self.sweep["value"]})
+
+    def saved_ms(self, frame: str = "dynamic") -> float | None:
+        """What the rules saved of a frame: medians of one interleaved run. None if it was not measured."""
+        if frame not in self.everything_ms or frame not in self.time_ms:
+            return None
+        return self.everything_ms[frame].median - self.time_ms[frame].median
 
     def label(self) -> str:
         """The title, with the changed settings if this is a step of a sweep."""
@@ -398,6 +405,7 @@ def _record(record: Record) -> dict[str, Any]:
         "headline": record.headline,
         "headline_error": record.headline_error,
         "time_ms": {name: asdict(spread) for name, spread in record.time_ms.items()},
+        "everything_ms": {name: asdict(spread) for name, spread in record.everything_ms.items()},
         "memory_bytes": record.memory_bytes,
         "dominant_error": record.area["dominant"],
         "sentence": record.area["sentence"],
@@ -478,6 +486,7 @@ def _record_from(raw: dict[str, Any]) -> Record:
     }
     record.memory_bytes, record.on_pareto_front = raw["memory_bytes"], raw["on_pareto_front"]
     record.on_own_front, record.headline_error = raw.get("on_own_front", False), raw.get("headline_error", 0.0)
+    record.everything_ms = {n: Spread(**_numbers(spread)) for n, spread in raw.get("everything_ms", {}).items()}
     record.plan = [Step(**step) for step in raw["plan"]]
     record.warnings = list(raw.get("warnings", []))  # reports from before had none
     record.statistics = [Statistic(**_numbers(statistic)) for statistic in raw["statistics"]]

@@ -100,14 +100,23 @@ py::dict summary(PyRenderer& self, std::size_t light, bool keep_everything) {
 }
 
 py::dict visibility(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
-                    bool keep_everything, bool statistics, const py::object& progress) {
-    const Job job{technique, settings_from(settings), statistics};
+                    bool keep_everything, bool statistics, const py::object& progress, bool reuse,
+                    const std::vector<std::string>& keep_rules) {
+    const Job job{technique, settings_from(settings), statistics, keep_rules, reuse};
     VisibilityResult r = wait_for([&](Control& c) { return self.renderer.visibility(light, job, keep_everything, c); },
                                   progress, technique);
     const py::dict times("setup"_a = r.setup_ms, "update"_a = r.update_ms, "resolve"_a = r.resolve_ms);
     return py::dict("visibility"_a = self.image(std::move(r.visibility)), "settings"_a = to_python(r.settings),
                     "plan"_a = to_python(r.plan), "warnings"_a = to_python(r.plan.warnings),
-                    "statistics"_a = to_python(r.statistics), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times);
+                    "statistics"_a = to_python(r.statistics), "memory_bytes"_a = r.memory_bytes, "time_ms"_a = times,
+                    "kept"_a = r.kept);
+}
+
+py::dict work(const PyRenderer& self) {
+    const WorkDone w = self.renderer.work();
+    return py::dict("programs"_a = w.programs, "views"_a = w.views, "summaries"_a = w.summaries,
+                    "ray_scenes"_a = w.ray_scenes, "geometries"_a = w.geometries, "triangles_sent"_a = w.triangles_sent,
+                    "frames"_a = w.frames, "frames_kept"_a = w.frames_kept);
 }
 
 py::list debug_images(PyRenderer& self, std::size_t light, const std::string& technique, const py::dict& settings,
@@ -144,11 +153,20 @@ py::list bake(PyRenderer& self, std::size_t light, const std::string& technique,
 }
 
 py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pair<std::string, py::dict>>& jobs,
-                 bool keep_everything, double max_seconds, int min_runs, int max_runs, const py::object& progress) {
+                 bool keep_everything, double max_seconds, int min_runs, int max_runs, const py::object& progress,
+                 const std::vector<std::vector<std::string>>& keep_rules) {
+    if (!keep_rules.empty() && keep_rules.size() != jobs.size()) {
+        throw InvalidSettings("keep_rules has " + std::to_string(keep_rules.size()) + " lists for " +
+                              std::to_string(jobs.size()) + " jobs; give each job one, or none at all");
+    }
     std::vector<Job> wanted;
     wanted.reserve(jobs.size());
     for (const auto& [technique, settings] : jobs) {
-        wanted.push_back({technique, settings_from(settings)});
+        Job job{technique, settings_from(settings)};
+        if (!keep_rules.empty()) {
+            job.keep_rules = keep_rules[wanted.size()];
+        }
+        wanted.push_back(std::move(job));
     }
     TimingOptions timing;
     timing.max_seconds = max_seconds;
@@ -160,9 +178,9 @@ py::list measure(PyRenderer& self, std::size_t light, const std::vector<std::pai
     py::list all;
     for (const Measurement& m : results) {
         all.append(py::dict("setup"_a = to_python(m.setup), "dynamic"_a = to_python(m.dynamic_frame),
-                            "static"_a = to_python(m.static_frame), "view"_a = to_python(m.view),
-                            "plan"_a = to_python(m.plan), "warnings"_a = to_python(m.plan.warnings),
-                            "memory_bytes"_a = m.memory_bytes));
+                            "static"_a = to_python(m.static_frame), "kept"_a = to_python(m.kept_frame),
+                            "view"_a = to_python(m.view), "plan"_a = to_python(m.plan),
+                            "warnings"_a = to_python(m.plan.warnings), "memory_bytes"_a = m.memory_bytes));
     }
     return all;
 }
@@ -217,6 +235,7 @@ void bind_renderer(py::module_& m) {
              py::call_guard<py::gil_scoped_release>(),
              "device: \"\" (automatic), an index, or part of a renderer's name. Raises DeviceError.")
         .def_property_readonly("environment", &environment)
+        .def("work", &work, "What it has done so far: programs compiled, views drawn, frames made and kept, and more.")
         .def("set_scene", &set_scene, "scene"_a, "Checks the scene and makes it current. Raises InvalidScene.")
         .def("view", &view, "progress"_a = py::none())
         .def("mask", &mask, "light"_a, "(h, w) uint8: 1 where this light's visibility is asked.")
@@ -229,10 +248,13 @@ void bind_renderer(py::module_& m) {
             "light"_a, "technique"_a, py::call_guard<py::gil_scoped_release>(),
             "Empty, or why the technique cannot serve the light.")
         .def("visibility", &visibility, "light"_a, "technique"_a, "settings"_a = py::dict(),
-             "keep_everything"_a = false, "statistics"_a = true, "progress"_a = py::none(),
+             "keep_everything"_a = false, "statistics"_a = true, "progress"_a = py::none(), "reuse"_a = false,
+             "keep_rules"_a = std::vector<std::string>{},
              "{visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, warnings, statistics,\n"
-             "memory_bytes, time_ms}; warnings {id, reason}: where the technique leaves its field of use.\n"
-             "statistics: count what the frame did, which may cost as much as the frame.")
+             "memory_bytes, time_ms, kept}; warnings {id, reason}: where the technique leaves its field of use.\n"
+             "statistics: count what the frame did, which may cost as much as the frame.\n"
+             "reuse: keep V, and hand over an earlier frame's if view, light, casters and settings are the same.\n"
+             "keep_rules: ids of rules that must leave nothing out.")
         .def("debug_images", &debug_images, "light"_a, "technique"_a, "settings"_a = py::dict(),
              "views"_a = std::vector<std::string>{}, "progress"_a = py::none(),
              "Pictures of the technique's inside: {id, title, caption, rgb (h, w, 3) float32, display values 0 .. 1}.\n"
@@ -243,7 +265,9 @@ void bind_renderer(py::module_& m) {
             "of the image's corners at the UVs (0, 0), (1, 0), (1, 1), (0, 1)}; empty if it makes none.")
         .def("measure", &measure, "light"_a, "jobs"_a, "keep_everything"_a = false, "max_seconds"_a = 4.0,
              "min_runs"_a = 5, "max_runs"_a = 200, "progress"_a = py::none(),
-             "Times of (technique, settings) jobs, measured interleaved; milliseconds.")
+             "keep_rules"_a = std::vector<std::vector<std::string>>{},
+             "Times of (technique, settings) jobs, measured interleaved; milliseconds.\n"
+             "keep_rules: for each job the rules that must leave nothing out; [\"all\"] for all of them.")
         .def("reference", &reference, "light"_a, "standard_error"_a = 0.002, "seed"_a = 1,
              "max_rays_per_pixel"_a = 65536, "keep_everything"_a = false, "exact"_a = false, "progress"_a = py::none(),
              "The truth by ray tracing to a standard error: area and irradiance (h, w) float32, and more.\n"

@@ -56,7 +56,8 @@ py::list list_techniques() {
 py::list list_rules() {
     py::list all;
     for (const RuleInfo& rule : rules()) {
-        all.append(py::dict("id"_a = rule.id, "condition"_a = rule.condition, "tolerance"_a = rule.tolerance));
+        all.append(py::dict("id"_a = rule.id, "condition"_a = rule.condition, "tolerance"_a = rule.tolerance,
+                            "stage"_a = to_string(rule.stage), "techniques"_a = rule.techniques));
     }
     return all;
 }
@@ -92,7 +93,9 @@ py::dict build_info() {
 void bind_techniques(py::module_& m) {
     m.attr("__version__") = PENUMBRA_VERSION;
     m.def("techniques", &list_techniques, "All techniques with their settings, in the order users see them.");
-    m.def("rules", &list_rules, "All rules that leave work out, with condition and tolerance of V.");
+    m.def("rules", &list_rules,
+          "All rules that leave work out: id, condition, tolerance of V, stage of a frame, and the techniques it can "
+          "fire in.");
     m.def("devices", &list_all_devices, "All EGL devices, usable or not; empty without libEGL.");
     m.def("device_problem", &device_problem, "Why devices() is empty, in one sentence, or an empty string.");
     m.def("embree_version", &embree::version, "Version of the Embree in use; raises DeviceError if there is none.");

@@ -184,7 +184,14 @@ def test_techniques_lists_every_technique_with_its_settings(capsys: pytest.Captu
     text = capsys.readouterr().out
     assert all(f"{info['id']}.{setting['id']}=" in text for info in listed for setting in info["settings"])
     assert cli.main(["techniques", "--rules"]) == 0
-    assert len(capsys.readouterr().out.splitlines()) == len(core.rules())  # type: ignore[attr-defined]
+    text = capsys.readouterr().out
+    assert cli.main(["techniques", "--rules", "--json"]) == 0
+    rules = json.loads(capsys.readouterr().out)
+    assert rules == core.rules()  # type: ignore[attr-defined]
+    assert len(text.split("\n\n")) == len(rules)
+    for rule in rules:
+        assert f"{rule['id']}: " in text and rule["stage"] in text
+        assert rule["techniques"] or rule["stage"] == "reference"
 
 
 def test_a_closed_pipe_is_no_error(environment: dict[str, str]) -> None:

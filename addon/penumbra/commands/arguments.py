@@ -99,4 +99,7 @@ def comparison_options(parser: argparse.ArgumentParser, sweep: str) -> None:
     parser.add_argument("--warn-rmse", type=error, metavar="E", help="exit code 3 if a penumbra RMSE is above")
     parser.add_argument("--fail-rmse", type=error, metavar="E", help="exit code 4 if a penumbra RMSE is above")
     parser.add_argument("--keep-everything", action="store_true", help="leave no work out")
+    parser.add_argument(
+        "--measure-savings", action="store_true", help="time each technique with nothing left out as well"
+    )
     parser.add_argument("--no-cache", action="store_true", help="trace the references anew and keep none")

@@ -22,8 +22,10 @@ def _techniques(arguments: argparse.Namespace) -> int:
     entries = core.rules() if arguments.rules else core.techniques()
     if arguments.json:
         print(json.dumps(entries, indent=1))
+    elif arguments.rules:
+        print(listing.rules_text(entries, len(core.techniques())))
     else:
-        print(listing.rules_text(entries) if arguments.rules else listing.techniques_text(entries))
+        print(listing.techniques_text(entries))
     return errors.OK
 
 

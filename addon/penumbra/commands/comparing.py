@@ -104,6 +104,7 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
 def _recorded_options(arguments: argparse.Namespace) -> dict[str, Any]:
     names = (
         "sweep", "reference_error", "target_rmse", "timing_seconds", "warn_rmse", "fail_rmse", "keep_everything",
+        "measure_savings",
     )  # fmt: skip
     return {name: getattr(arguments, name) for name in names}
 
@@ -129,6 +130,7 @@ def options_of(core: Any, arguments: argparse.Namespace) -> Any:
         keep_everything=arguments.keep_everything,
         use_cache=not arguments.no_cache,
         timing_seconds=arguments.timing_seconds,
+        measure_savings=arguments.measure_savings,
     )
 
 

@@ -227,7 +227,12 @@ def figures_of(record: Record) -> list[tuple[str, str]]:
     ]
     if record.flip is not None:
         pairs.append(("FLIP", table.error_text(record.flip)))
-    for name, label in (("dynamic", "Dynamic frame"), ("static", "Static frame"), ("setup", "Set-up")):
+    for name, label in (
+        ("dynamic", "Dynamic frame"),
+        ("static", "Static frame"),
+        ("kept", "Unchanged frame"),
+        ("setup", "Set-up"),
+    ):
         if name in record.time_ms:
             pairs.append((label, verdict.milliseconds(record.time_ms[name].median)))
     pairs.append(("Memory", format_bytes(record.memory_bytes)))

@@ -135,9 +135,24 @@ def _rows(light: LightResult, numbers: dict[str, int]) -> list[dict[str, Any]]:
                 for name in PART_FIELDS
             ]
             row["length"] = length
+            row["saved"] = saved_text(record)
             row["step_total_ms"] = sum(step.time_ms for step in record.plan if step.state == "run")
         rows.append(row)
     return rows
+
+
+def saved_text(record: Record) -> str:
+    """What leaving work out saved of a dynamic frame, in words; empty if it was not measured."""
+    saved = record.saved_ms()
+    if saved is None:
+        return ""
+    whole = record.everything_ms["dynamic"]
+    plan = record.time_ms["dynamic"]
+    if plan.high >= whole.low and whole.high >= plan.low:
+        return f"no saving to be told from noise in {verdict.milliseconds(whole.median)}"
+    verb = "saves" if saved > 0 else "costs"
+    share = abs(saved) / whole.median if whole.median > 0 else 0.0
+    return f"{verb} {verdict.milliseconds(abs(saved))} of {verdict.milliseconds(whole.median)}, {100.0 * share:.0f} %"
 
 
 def _light_data(

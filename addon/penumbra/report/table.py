@@ -11,7 +11,7 @@ from ..records import ERROR_FIELDS, PART_FIELDS, Comparison, LightResult, Record
 from ..targets import TARGETS
 
 _MORE_ERRORS = ("leak", "over_darkening", "penumbra_width_ratio")
-_TIMES = ("setup", "dynamic", "static", "view")
+_TIMES = ("setup", "dynamic", "static", "kept", "view")
 _SPREAD = {"median_ms": "median", "p10_ms": "p10", "p90_ms": "p90", "low_ms": "low", "high_ms": "high", "runs": "runs",
            "tight": "tight"}  # fmt: skip
 _REACH = {"": "state", "_ms": "time_ms", "_low_ms": "low_ms", "_high_ms": "high_ms"}
@@ -24,7 +24,7 @@ COLUMNS = [
     "flip", "reference_standard_error", "within_reference_noise", "dominant_error",
     *(f"part_{name}" for name in PART_FIELDS),
     *(f"{time}_{figure}" for time in _TIMES for figure in _SPREAD),
-    "memory_bytes",
+    "memory_bytes", "everything_dynamic_median_ms", "everything_static_median_ms",
     # When the technique reaches an error, in the row of its settings as asked for; "target" is --target-rmse.
     *(f"to_{name}{figure}" for name in (*(f"{error:g}" for error in TARGETS), "target") for figure in _REACH),
 ]  # fmt: skip
@@ -86,4 +86,11 @@ def _row(record: Record) -> dict[str, Any]:
         "within_reference_noise": record.area["within_reference_noise"],
         "dominant_error": record.area["dominant"],
         "memory_bytes": record.memory_bytes,
+        "everything_dynamic_median_ms": _median(record, "dynamic"),
+        "everything_static_median_ms": _median(record, "static"),
     }
+
+
+def _median(record: Record, frame: str) -> float | str:
+    """With nothing left out; empty if that was not measured."""
+    return record.everything_ms[frame].median if frame in record.everything_ms else ""

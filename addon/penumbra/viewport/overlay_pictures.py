@@ -169,7 +169,9 @@ class _Seen:
             self.notes.append(f'"{light}" casts no shadow with {technique}: {reason}')
             return one
         settings = self._wanted.settings.get(technique, {})
-        answer = self._renderer.visibility(index, technique, settings, statistics=False, progress=self._desk.progress())
+        answer = self._renderer.visibility(
+            index, technique, settings, statistics=False, progress=self._desk.progress(), reuse=True
+        )
         return np.asarray(answer["visibility"])
 
     def truth(self) -> list[Image]:

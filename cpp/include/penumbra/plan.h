@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,12 +34,38 @@ struct Plan {
     void add_time(std::string_view name, double time_ms) noexcept;
 };
 
+/// What a rule that fires saves.
+enum class RuleStage {
+    Export,      ///< reading the scene and sending it to the device
+    Frame,       ///< all of a frame
+    LightSpace,  ///< what is made of casters and light: maps, volumes, silhouettes
+    ViewSpace,   ///< what is made per pixel
+    Reference,   ///< the truth, which is no technique
+};
+[[nodiscard]] std::string_view to_string(RuleStage stage) noexcept;  ///< "light space"
+
 /// A rule that leaves work out, for documentation and tests; the table is in renderer/rules.cpp.
 struct RuleInfo {
     std::string id;
     std::string condition;
     double tolerance = 0.0;
+    RuleStage stage = RuleStage::Frame;
+    std::vector<std::string> techniques;  ///< ids of those it can fire in, in the registry's order; Reference: none
 };
 [[nodiscard]] const std::vector<RuleInfo>& rules();
+
+/// Rules that must leave nothing out, whatever the scene: to prove that images do not change and to measure what is
+/// saved.
+struct Keep {
+    bool everything = false;
+    std::vector<std::string> rules;  ///< ids, ascending
+
+    Keep() = default;
+    Keep(bool every) : everything{every} {}  // NOLINT(google-explicit-constructor): all or nothing is the usual case
+    /// @param ids  of rules, or "all" for everything. @throws InvalidSettings for an id that is not in rules()
+    Keep(bool every, std::vector<std::string> ids);
+    [[nodiscard]] bool has(std::string_view rule) const noexcept;
+    friend auto operator<=>(const Keep&, const Keep&) = default;
+};
 
 }  // namespace penumbra

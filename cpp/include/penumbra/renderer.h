@@ -47,20 +47,37 @@ struct VisibilityResult {
     std::vector<Statistic> statistics;
     std::size_t memory_bytes = 0;  ///< kept by the technique between frames
     double setup_ms = 0.0, update_ms = 0.0, resolve_ms = 0.0;
+    bool kept = false;  ///< of an earlier frame that nothing has changed since; then resolve_ms is the handing over
 };
 
 struct Job {
     std::string technique;
     Settings settings;
     bool statistics = true;  ///< visibility() counts what the frame did, which may cost as much as the frame
+    std::vector<std::string> keep_rules = {};  ///< ids of rules that must leave nothing out, beside keep_everything
+    /// visibility() keeps V, and hands over an earlier frame's if view, light, casters and settings are the same.
+    bool reuse = false;
 };
 
-/// Times of one job: set-up once, a dynamic frame (casters or light moved), a static frame (maps kept), and the view
-/// that all techniques share (its own line, in no sum).
+/// Times of one job: set-up once, a dynamic frame (casters or light moved), a static frame (maps kept), a kept frame
+/// (nothing changed, so V is handed over: Job::reuse), and the view that all techniques share (its own line, in no
+/// sum).
 struct Measurement {
-    TimeSummary setup, dynamic_frame, static_frame, view;
+    TimeSummary setup, dynamic_frame, static_frame, kept_frame, view;
     Plan plan;  ///< with the median time of each step
     std::size_t memory_bytes = 0;
+};
+
+/// What a renderer has done since it was made. What a count does not go up by was not run.
+struct WorkDone {
+    std::uint64_t programs = 0;        ///< shader programs compiled
+    std::uint64_t views = 0;           ///< G-buffers drawn
+    std::uint64_t summaries = 0;       ///< lights summarised
+    std::uint64_t ray_scenes = 0;      ///< acceleration structures built
+    std::uint64_t geometries = 0;      ///< times that meshes were sent
+    std::uint64_t triangles_sent = 0;  ///< by the last of them
+    std::uint64_t frames = 0;          ///< made by a technique, in visibility()
+    std::uint64_t frames_kept = 0;     ///< handed over instead
 };
 
 struct NamedDebugImage {
@@ -79,6 +96,7 @@ public:
     Renderer& operator=(const Renderer&) = delete;
 
     [[nodiscard]] const Environment& environment() const noexcept;
+    [[nodiscard]] WorkDone work() const;
 
     /// Takes a copy (meshes are shared), checks it and makes it current. Only what changed is checked and sent again:
     /// an instance that moved costs its matrix, another light keeps the view, another camera what rays are cast at.

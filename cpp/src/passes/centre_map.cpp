@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "passes/casters_beside.h"
 #include "passes/frame.h"
 
 namespace penumbra {
@@ -38,7 +39,7 @@ bool CentreMap::needs_receiver_map(const LightSummary& summary) const noexcept {
     // Culled casters leave no nearest surface.
     return wants_receivers(summary) &&
            (!std::ranges::all_of(summary.receivers, casts) || summary.receivers_not_casting > 0 ||
-            summary.keep_everything || options_.bias.cull() != Cull::None);
+            summary.keeps("every-receiver-casts") || options_.bias.cull() != Cull::None);
 }
 
 MapFrustum CentreMap::fit(const LightSummary& summary) const {
@@ -69,6 +70,11 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
         plan.leave_out("depth map, " + face, "cube-face-without-receivers",
                        "no visible receiver lies in this face of the light's cube");
     }
+    CastersBeside beside;
+    for (const MapFace& face : frustum.faces) {
+        beside.add(summary, face);
+    }
+    beside.tell(plan);
     if (wants_receivers(summary) && !needs_receiver_map(summary)) {
         plan.leave_out("receiver depth map", "every-receiver-casts",
                        "every visible receiver is among the casters, so their map holds it");

@@ -1,11 +1,12 @@
 #include "passes/gpu_adjacency.h"
 
 #include <map>
+#include <span>
 
 namespace penumbra {
 
 void GpuAdjacency::update(const GpuScene& gpu_scene) {
-    if (planes_ && gpu_scene.meshes() == meshes_) {
+    if (planes_ && gpu_scene.meshes() == meshes_ && gpu_scene.geometry_revision() == revision_) {
         return;
     }
     std::map<const Mesh*, std::shared_ptr<const Adjacency>> known;
@@ -13,10 +14,16 @@ void GpuAdjacency::update(const GpuScene& gpu_scene) {
         known.emplace(meshes_[i].get(), adjacencies_[i]);
     }
     std::vector<std::shared_ptr<const Adjacency>> adjacencies;
-    for (const auto& mesh : gpu_scene.meshes()) {
+    for (std::size_t i = 0; i < gpu_scene.meshes().size(); ++i) {
+        const auto& mesh = gpu_scene.meshes()[i];
         const auto found = known.find(mesh.get());
-        adjacencies.push_back(found != known.end() ? found->second
-                                                   : std::make_shared<const Adjacency>(make_adjacency(*mesh)));
+        if (!gpu_scene.mesh_ranges()[i].sent) {
+            adjacencies.push_back(std::make_shared<const Adjacency>());
+        } else if (found != known.end() && !found->second->edges.empty()) {
+            adjacencies.push_back(found->second);
+        } else {
+            adjacencies.push_back(std::make_shared<const Adjacency>(make_adjacency(*mesh)));
+        }
     }
 
     std::vector<glm::vec4> planes;
@@ -35,7 +42,7 @@ void GpuAdjacency::update(const GpuScene& gpu_scene) {
         const auto position = [&](std::uint32_t v) {  // as the device has it
             return glm::dvec3{glm::vec3{glm::dvec3{mesh.positions_local[v]} - placed.centre_local}};
         };
-        for (const glm::uvec3& v : mesh.triangles) {
+        for (const glm::uvec3& v : std::span{mesh.triangles}.first(placed.index_count / 3)) {
             planes.emplace_back(range.frame.plane(position(v.x), position(v.y), position(v.z)));
         }
         const Adjacency& adjacency = *adjacencies[i];
@@ -55,6 +62,7 @@ void GpuAdjacency::update(const GpuScene& gpu_scene) {
                  BufferTexture{GL_RGB32F, gpu_scene.positions(), "vertex positions"},
                  BufferTexture{GL_RGB32UI, gpu_scene.indices(), "triangle indices"}};
     meshes_ = gpu_scene.meshes();
+    revision_ = gpu_scene.geometry_revision();
     adjacencies_ = std::move(adjacencies);
     ranges_ = std::move(ranges);
 }

@@ -37,6 +37,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
 private:
+    std::uint64_t revision_ = 0;
     std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
     std::vector<std::shared_ptr<const Adjacency>> adjacencies_;
     std::vector<MeshRange> ranges_;

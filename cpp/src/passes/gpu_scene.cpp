@@ -29,8 +29,18 @@ bool GpuScene::has_meshes_of(const Scene& scene) const noexcept {
     return true;
 }
 
+std::vector<std::uint8_t> GpuScene::meshes_needed(const Scene& scene, std::size_t meshes) const {
+    std::vector<std::uint8_t> needed(meshes, 0);
+    for (std::size_t i = 0; i < mesh_of_instance_.size(); ++i) {
+        if (scene.instances[i].visible || scene.instances[i].casts) {
+            needed[mesh_of_instance_[i]] = 1;
+        }
+    }
+    return needed;
+}
+
 bool GpuScene::update(const Scene& scene) {
-    if (has_meshes_of(scene)) {
+    if (has_meshes_of(scene) && meshes_needed(scene, meshes_.size()) == mesh_needed_) {
         place(scene);
         send_albedos(scene);
         return false;
@@ -45,9 +55,12 @@ bool GpuScene::update(const Scene& scene) {
         }
         mesh_of_instance_.push_back(found->second);
     }
-    const bool geometry_changed = meshes != meshes_ || !vertex_array_;
+    std::vector<std::uint8_t> needed = meshes_needed(scene, meshes.size());
+    const bool geometry_changed = meshes != meshes_ || needed != mesh_needed_ || !vertex_array_;
     vertex_array_ = VertexArray{};  // none, should the device have no room for what follows
     if (geometry_changed) {
+        mesh_needed_ = std::move(needed);
+        ++revision_;
         meshes_ = std::move(meshes);
         send_geometry();
     }
@@ -65,9 +78,11 @@ void GpuScene::send_geometry() {
     ranges_.clear();
     std::size_t vertex_total = 0;
     std::size_t triangle_total = 0;
-    for (const auto& mesh : meshes_) {
-        vertex_total += mesh->positions_local.size();
-        triangle_total += mesh->triangles.size();
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        if (mesh_needed_[i] != 0) {
+            vertex_total += meshes_[i]->positions_local.size();
+            triangle_total += meshes_[i]->triangles.size();
+        }
     }
     if (vertex_total > 0x7fffffffULL || triangle_total * 3 > 0xffffffffULL) {
         throw InvalidScene("the scene's meshes have " + std::to_string(triangle_total) + " triangles and " +
@@ -76,13 +91,20 @@ void GpuScene::send_geometry() {
     }
     positions.reserve(vertex_total);
     indices.reserve(3 * triangle_total);
-    for (const auto& mesh : meshes_) {
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        const auto& mesh = meshes_[i];
         MeshRange range;
         range.first_vertex = static_cast<std::uint32_t>(positions.size());
         range.first_index = static_cast<std::uint32_t>(indices.size());
         range.index_count = static_cast<std::uint32_t>(3 * mesh->triangles.size());
         range.bounds_local = bounds_of(*mesh);
         range.centre_local = range.bounds_local.centre();
+        if (mesh_needed_[i] == 0) {
+            range.index_count = 0;
+            range.sent = false;
+            ranges_.push_back(range);
+            continue;
+        }
         // Vertices far from their mesh's origin would lose digits in every matrix product: recentre them once, exactly.
         for (const glm::vec3& p : mesh->positions_local) {
             positions.emplace_back(glm::dvec3{p} - range.centre_local);

@@ -24,6 +24,7 @@ public:
         std::uint32_t first_normal = 0xffffffffU, first_material = 0xffffffffU;
         glm::dvec3 centre_local{0.0};
         Bounds bounds_local;
+        bool sent = true;  ///< false: index_count is 0, for no instance is seen or casts
     };
 
     /// Sends what is not there yet: geometry only if the meshes changed, albedos only if they did. Transforms stay
@@ -31,6 +32,8 @@ public:
     /// @return true if geometry was sent again
     bool update(const Scene& scene);
 
+    /// Another number each time that geometry was sent.
+    [[nodiscard]] std::uint64_t geometry_revision() const noexcept { return revision_; }
     /// Boxes of the instances, world, in their order.
     [[nodiscard]] const std::vector<Bounds>& instance_bounds_ws() const noexcept { return instance_bounds_ws_; }
     [[nodiscard]] std::size_t instance_count() const noexcept { return world_from_recentred_.size(); }
@@ -58,16 +61,22 @@ public:
     /// Positions, indices, corner normals, materials, albedos at storage bindings 1 .. 5.
     void bind_surface_data() const;
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
+    /// Of meshes that somebody sees or that cast: no other is sent (rule instance-without-effect).
+    [[nodiscard]] std::size_t triangles_sent() const noexcept { return indices_.bytes() / sizeof(glm::uvec3); }
 
 private:
     /// @return true if each instance has the mesh that it had
     [[nodiscard]] bool has_meshes_of(const Scene& scene) const noexcept;
+    /// By mesh: 1 if some instance of it is visible or casts. Of a scene with the meshes of mesh_of_instance_.
+    [[nodiscard]] std::vector<std::uint8_t> meshes_needed(const Scene& scene, std::size_t meshes) const;
     void send_geometry();
     void place(const Scene& scene);
     void send_albedos(const Scene& scene);
     void make_vertex_array();
 
     std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
+    std::uint64_t revision_ = 0;
+    std::vector<std::uint8_t> mesh_needed_;  ///< some instance of it is visible or casts
     std::vector<MeshRange> ranges_;
     std::vector<std::uint32_t> mesh_of_instance_;
     std::vector<glm::dmat4> world_from_recentred_;

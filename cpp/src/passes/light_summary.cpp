@@ -141,13 +141,10 @@ LightSummary::Trivial LightSummary::trivial() const {
     if (!light->casts_shadow) {  // the artist's wish, no saving: it holds whatever is kept
         return {"light-without-shadow", "shadows are switched off for this light"};
     }
-    if (keep_everything) {
-        return {};
-    }
-    if (lit_pixels == 0) {
+    if (lit_pixels == 0 && !keeps("light-without-pixels")) {
         return {"light-without-pixels", "the light reaches no visible pixel"};
     }
-    if (casters.empty()) {
+    if (casters.empty() && !keeps("light-without-casters")) {
         return {"light-without-casters",
                 casters_outside == 0
                     ? "nothing in the scene casts a shadow"
@@ -158,14 +155,15 @@ LightSummary::Trivial LightSummary::trivial() const {
 }
 
 LightSummary summarise_light(const Scene& scene, const View& view, const Light& light,
-                             const std::vector<Bounds>& instance_bounds_ws, bool keep_everything) {
+                             const std::vector<Bounds>& instance_bounds_ws, const Keep& keep) {
     LightSummary summary;
     summary.light = &light;
     summary.scene = &scene;
     summary.view = &view;
     summary.eye_ws = view.eye_ws;
     summary.has_extent = !has_no_extent(light);
-    summary.keep_everything = keep_everything;
+    summary.keep = keep;
+    const bool keep_outside = summary.keeps("caster-outside-hull");
     summary.mask = light_mask(scene, view, light);
     collect_receivers(scene, view, summary);
 
@@ -179,7 +177,7 @@ LightSummary summarise_light(const Scene& scene, const View& view, const Light& 
             continue;
         }
         const bool needed = summary.lit_pixels > 0 && may_cast(instance_bounds_ws[i], summary, light_bounds, axes);
-        if (needed || keep_everything) {
+        if (needed || keep_outside) {
             summary.casters.push_back(i);
             summary.caster_needed.push_back(needed ? 1 : 0);
             summary.caster_bounds_ws.push_back(instance_bounds_ws[i]);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "penumbra/light.h"
+#include "penumbra/plan.h"
 #include "penumbra/scene.h"
 #include "penumbra/view.h"
 #include "scene/bounds.h"
@@ -25,8 +26,8 @@ struct LightSummary {
     const Scene* scene = nullptr;  ///< what it was made from; both live as long as the summary
     const View* view = nullptr;
     glm::dvec3 eye_ws{0.0};
-    bool has_extent = false;       ///< false: a hard shadow is the truth
-    bool keep_everything = false;  ///< plans must leave nothing out
+    bool has_extent = false;  ///< false: a hard shadow is the truth
+    Keep keep;                ///< rules that must leave nothing out
 
     std::vector<std::uint8_t> mask;             ///< 1 where V is asked, as in View
     std::uint64_t lit_pixels = 0;               ///< ones in the mask
@@ -37,14 +38,13 @@ struct LightSummary {
     std::vector<std::uint32_t> receivers;     ///< instances seen at a pixel of the mask, ascending
     std::uint32_t receivers_not_casting = 0;  ///< of these, how many do not cast: no depth map of casters holds them
 
-    std::vector<std::uint32_t> casters;  ///< instances that can cast onto a visible receiver (all if keep_everything)
-    std::vector<std::uint8_t> caster_needed;  ///< 0 only with keep_everything: drawn, but must not matter
+    std::vector<std::uint32_t> casters;  ///< instances that can cast onto a visible receiver (all if the rule is kept)
+    std::vector<std::uint8_t> caster_needed;  ///< 0 only if the rule is kept: drawn, but must not matter
     std::uint32_t casters_outside = 0;        ///< casting instances outside every light-receiver hull
     std::uint64_t caster_triangles = 0;
     std::vector<Bounds> caster_bounds_ws;  ///< boxes of `casters`
 
-    [[nodiscard]] bool nothing_asked() const noexcept { return lit_pixels == 0 && !keep_everything; }
-    [[nodiscard]] bool nothing_casts() const noexcept { return casters.empty() && !keep_everything; }
+    [[nodiscard]] bool keeps(std::string_view rule) const noexcept { return keep.has(rule); }
     /// "" or why V is 1 everywhere without any work, and the rule that says so.
     struct Trivial {
         std::string rule, reason;
@@ -54,6 +54,6 @@ struct LightSummary {
 
 /// @param instance_bounds_ws box of each instance, as many as scene.instances
 [[nodiscard]] LightSummary summarise_light(const Scene& scene, const View& view, const Light& light,
-                                           const std::vector<Bounds>& instance_bounds_ws, bool keep_everything);
+                                           const std::vector<Bounds>& instance_bounds_ws, const Keep& keep);
 
 }  // namespace penumbra

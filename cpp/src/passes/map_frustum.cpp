@@ -126,14 +126,14 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
             behind = behind && p.z <= 0.0;
             box.add({p.x, p.y}, p.z);
         }
-        const bool kept = summary.keep_everything ||
-                          (keep_receivers && std::ranges::binary_search(summary.receivers, summary.casters[i]));
-        const bool past_receivers = box.nearest > farthest_m && !kept;
-        if (outside_left || outside_right || outside_low || outside_high || behind || past_receivers) {
+        const bool receives = keep_receivers && std::ranges::binary_search(summary.receivers, summary.casters[i]);
+        const bool past_receivers = box.nearest > farthest_m && !receives;
+        const bool outside = outside_left || outside_right || outside_low || outside_high || behind || past_receivers;
+        if (outside && !summary.keeps("caster-outside-face")) {
             continue;
         }
         face.casters.push_back(i);
-        if (summary.caster_needed[i] != 0) {  // what could be left out must not move the near plane
+        if (!outside && summary.caster_needed[i] != 0) {  // what could be left out must not move the near plane
             nearest_caster = std::min(nearest_caster, box.nearest);
         }
     }
@@ -258,7 +258,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         }
     }
     for (std::size_t i = 0; i < 6; ++i) {
-        if (extent[i].empty() && !summary.keep_everything) {
+        if (extent[i].empty() && !summary.keeps("cube-face-without-receivers")) {
             frustum.faces_without_receivers.emplace_back(kFaceNames[i]);
             continue;
         }

@@ -256,7 +256,7 @@ bool PenumbraMask::plan(const LightSummary& summary, Plan& plan) {
         plan.leave_out(std::string{kStep}, trivial.rule, trivial.reason);
         return false;
     }
-    if (!summary.has_extent) {
+    if (!summary.has_extent && !summary.keeps("mask-without-penumbra")) {
         plan.leave_out(std::string{kStep}, "mask-without-penumbra",
                        "the light has no extent, so no pixel lies in a penumbra");
         return false;

@@ -158,7 +158,7 @@ bool eye_is_outside(const Bounds& caster_ws, const Camera& camera, const Light& 
 
 bool VolumePass::needs_no_caps(const LightSummary& summary, std::size_t caster) const {
     // An unseen caster has no surface that its near cap could fall on.
-    return options_.leave_out_caps && !summary.keep_everything &&
+    return options_.leave_out_caps && !summary.keeps("eye-outside-volume") &&
            summary.scene->instances[summary.casters[caster]].visible &&
            eye_is_outside(summary.caster_bounds_ws[caster], summary.scene->camera, *summary.light);
 }
@@ -200,6 +200,9 @@ void VolumePass::send_vertices(const GpuScene& gpu_scene) {
     meshes_ = gpu_scene.meshes();
     std::vector<glm::vec4> vertices;
     for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        if (!gpu_scene.mesh_ranges()[i].sent) {
+            continue;
+        }
         for (const glm::vec3& p : meshes_[i]->positions_local) {
             const glm::vec3 recentred{glm::dvec3{p} - gpu_scene.mesh_ranges()[i].centre_local};
             vertices.emplace_back(recentred, 1.0F);

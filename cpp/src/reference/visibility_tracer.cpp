@@ -33,7 +33,7 @@ std::uint64_t trace_visibility(const RayScene& rays, const Scene& /*scene*/, con
         return 0;
     }
     const LightPoints points{light, rays.frame()};
-    const int count = points.single_point() ? 1 : options.rays_per_pixel;
+    const int count = points.single_point() && !options.repeat_single_point ? 1 : options.rays_per_pixel;
     const int first_count = options.early_out ? std::min(count, options.early_out_rays) : count;
     const Cells first = make_cells(options.pattern, options.early_out, count, 0, first_count, points.one_dimensional());
     const Cells rest = first_count < count ? make_cells(options.pattern, options.early_out, count, first_count, count,

@@ -25,7 +25,8 @@ struct TraceOptions {
     /// 0.37 / (n + 1) near V = 1 / (n + 1) and V = n / (n + 1), which is 0.022 for n = 16; stratified rays do better.
     /// The reference never does this.
     bool early_out = false;
-    int early_out_rays = 16;  ///< >= 1
+    int early_out_rays = 16;           ///< >= 1
+    bool repeat_single_point = false;  ///< all rays for a light without extent too, to see what that would cost
 };
 
 /// V by N shadow rays per pixel ([Cook1984]). Same numbers for the same options and View, however many threads work.

@@ -17,6 +17,8 @@
 #include "reference/light_mask.h"
 #include "reference/ray_reference.h"
 #include "reference/ray_scene.h"
+#include "renderer/kept_frames.h"
+#include "scene/digest.h"
 #include "scene/scene_validator.h"
 
 namespace penumbra {
@@ -74,7 +76,10 @@ public:
         std::shared_ptr<const View> view;
         double view_ms = 0.0;
         std::unique_ptr<RayScene> ray_scene;
-        std::map<std::pair<std::size_t, bool>, LightSummary> summaries;
+        std::map<std::pair<std::size_t, Keep>, LightSummary> summaries;
+        FrameDigests digests;
+        KeptFrames kept;
+        WorkDone work;
         TextureImage visibility;
         RenderTarget visibility_target;
         MapLayers map_layers;
@@ -87,6 +92,7 @@ public:
         s.view_pass.render(device, s.gpu_scene, *s.scene, s.fullscreen);
         s.clock.end();
         s.view_ms = s.clock.collect().back().ms;
+        ++s.work.views;
     }
 
     const View& view(Device& device) {
@@ -113,16 +119,17 @@ public:
         return lights[index];
     }
 
-    const LightSummary& summary(Device& device, std::size_t index, bool keep_everything) {
+    const LightSummary& summary(Device& device, std::size_t index, const Keep& keep) {
         State& s = *state_;
         const Light& chosen = light(index);
-        const auto key = std::pair{index, keep_everything};
+        const auto key = std::pair{index, keep};
         auto found = s.summaries.find(key);
         if (found == s.summaries.end()) {
             found = s.summaries
                         .emplace(key, summarise_light(*s.scene, view(device), chosen, s.gpu_scene.instance_bounds_ws(),
-                                                      keep_everything))
+                                                      keep))
                         .first;
+            ++s.work.summaries;
         }
         return found->second;
     }
@@ -131,6 +138,7 @@ public:
         State& s = *state_;
         if (!s.ray_scene) {
             s.ray_scene = std::make_unique<RayScene>(*s.scene, control);
+            ++s.work.ray_scenes;
         }
         return *s.ray_scene;
     }
@@ -141,11 +149,96 @@ public:
         Settings settings;
         Plan plan;
         std::unique_ptr<Frame> frame;
+        bool used_rays = false;
         double setup_ms = 0.0;
     };
 
-    std::unique_ptr<Run> start(Device& device, std::size_t index, const Job& job, bool keep_everything,
-                               Control& control) {
+    /// A scene in the place of the one at hand. What is made of parts that stay the same is kept.
+    void replace_scene(const std::shared_ptr<const Scene>& scene) {
+        State& s = *state_;
+        const Scene& old = *s.scene;
+        const auto same_shape = [](const Instance& a, const Instance& b) {
+            return a.mesh == b.mesh && a.world_from_local == b.world_from_local && a.casts == b.casts;
+        };
+        const bool same_instances = s.sent && scene->instances == old.instances;
+        const bool same_view = same_instances && scene->camera == old.camera;
+        if (!std::ranges::equal(old.instances, scene->instances, same_shape)) {
+            s.ray_scene.reset();
+        }
+        if (!same_view) {
+            s.view.reset();
+            s.summaries.clear();
+            s.digests.forget_view();
+        }
+        std::erase_if(s.summaries, [&](const auto& entry) {
+            const std::size_t light = entry.first.first;
+            return light >= scene->lights.size() ||
+                   light_digest(old.lights[light]) != light_digest(scene->lights[light]);
+        });
+        for (auto& [key, kept] : s.summaries) {
+            kept.scene = scene.get();
+            kept.light = &scene->lights[key.first];
+        }
+        s.digests.forget_summaries();
+        s.scene = scene;
+        if (!same_instances) {
+            s.sent = false;  // unless this ends well
+            s.digests.forget_meshes(*scene);
+            if (s.gpu_scene.update(*scene)) {
+                ++s.work.geometries;
+                s.work.triangles_sent = s.gpu_scene.triangles_sent();
+            }
+            s.sent = true;
+        }
+    }
+
+    /// What V of this job depends on, but for the rays.
+    [[nodiscard]] std::string frame_digest(const Job& job, const Settings& settings, const LightSummary& summarised,
+                                           std::size_t light) {
+        Digest digest;
+        digest.add(state_->digests.of_summary(summarised, light));
+        digest.add(job.technique);
+        for (const auto& [id, value] : settings) {
+            digest.add(id);
+            digest.add(static_cast<std::uint64_t>(value.index()));
+            std::visit([&](const auto& v) { digest.add(v); }, value);
+        }
+        digest.add(summarised.keep.everything);
+        for (const std::string& rule : summarised.keep.rules) {
+            digest.add(rule);
+        }
+        return digest.hex();
+    }
+
+    /// A frame handed over, if there is one of just this.
+    [[nodiscard]] std::optional<VisibilityResult> kept_frame(Device& device, std::size_t light, const Job& job,
+                                                             const Keep& keep) {
+        State& s = *state_;
+        const auto started = Clock::now();
+        const TechniqueInfo& info = make_technique(job.technique, job.settings)->info();
+        const Settings settings = complete(info.id, info.settings, job.settings);
+        const std::string frame = frame_digest(job, settings, summary(device, light, keep), light);
+        const VisibilityResult* made = s.kept.find(frame, s.digests.of_all_casters(*s.scene), job.statistics);
+        if (made == nullptr) {
+            return std::nullopt;
+        }
+        VisibilityResult result = *made;
+        result.plan = unchanged_plan(made->plan);
+        result.kept = true;
+        result.memory_bytes = result.visibility.size() * sizeof(float);
+        result.setup_ms = result.update_ms = 0.0;
+        result.resolve_ms = ms_since(started);
+        return result;
+    }
+
+    void keep_frame(const Job& job, const Run& run, const LightSummary& summarised, std::size_t light,
+                    const VisibilityResult& made) {
+        State& s = *state_;
+        s.kept.store(frame_digest(job, run.settings, summarised, light),
+                     run.used_rays ? s.digests.of_all_casters(*s.scene) : std::string{}, job.statistics, made);
+    }
+
+    std::unique_ptr<Run> start(Device& device, std::size_t index, const Job& job, const Keep& keep, Control& control) {
         State& s = *state_;
         auto run = std::make_unique<Run>();
         run->technique = make_technique(job.technique, job.settings);
@@ -155,14 +248,17 @@ public:
             throw InvalidSettings(info.id + " cannot serve light \"" + light(index).name + "\": " + verdict.reason);
         }
         const View& seen = view(device);
-        const LightSummary& summarised = summary(device, index, keep_everything);
+        const LightSummary& summarised = summary(device, index, keep);
         run->plan = run->technique->plan(summarised);
         run->plan.warnings = outside_field(run->technique->field_of_use(), summarised);
-        run->frame = std::make_unique<Frame>(
-            Frame::Inputs{device, *s.scene, s.gpu_scene, s.adjacency, s.view_pass, seen, summarised, s.fullscreen,
-                          s.clock, control, [this, &control]() -> const RayScene& { return ray_scene(control); },
-                          s.visibility, s.visibility_target, &s.map_layers},
-            run->plan);
+        run->frame = std::make_unique<Frame>(Frame::Inputs{device, *s.scene, s.gpu_scene, s.adjacency, s.view_pass,
+                                                           seen, summarised, s.fullscreen, s.clock, control,
+                                                           [this, &control, made = run.get()]() -> const RayScene& {
+                                                               made->used_rays = true;
+                                                               return ray_scene(control);
+                                                           },
+                                                           s.visibility, s.visibility_target, &s.map_layers},
+                                             run->plan);
         const auto started = Clock::now();
         run->technique->prepare(*run->frame);
         glFinish();
@@ -213,12 +309,12 @@ public:
         made.update_ms = std::chrono::duration<double, std::milli>(middle - started).count();
         made.resolve_ms = ms_since(middle);
         made.setup_ms = run.setup_ms;
+        made.plan = run.plan;
         for (const StepTime& step : state_->clock.collect()) {
-            run.plan.add_time(step.name, step.ms);
+            made.plan.add_time(step.name, step.ms);
         }
         made.visibility = result(run, summarised);
         made.settings = run.settings;
-        made.plan = run.plan;
         made.memory_bytes = run.technique->memory_bytes();
         if (statistics) {
             made.statistics = run.technique->statistics(*run.frame);
@@ -257,21 +353,16 @@ const Environment& Renderer::environment() const noexcept {
 void Renderer::set_scene(const Scene& scene) {
     auto checked = std::make_shared<Scene>(scene);
     impl_->thread_.run([&](Device&) {
-        Impl::State& s = *impl_->state_;
-        s.validator.validate(*checked);
-        const bool same_instances = s.sent && checked->instances == s.scene->instances;
-        const bool same_camera = checked->camera == s.scene->camera;
-        s.summaries.clear();
-        s.scene = checked;
-        if (!same_instances || !same_camera) {
-            s.view.reset();
-        }
-        if (!same_instances) {
-            s.sent = false;  // unless this ends well
-            s.ray_scene.reset();
-            s.gpu_scene.update(*checked);
-            s.sent = true;
-        }
+        impl_->state_->validator.validate(*checked);
+        impl_->replace_scene(checked);
+    });
+}
+
+WorkDone Renderer::work() const {
+    return impl_->thread_.run([&](Device& device) {
+        WorkDone work = impl_->state_->work;
+        work.programs = static_cast<std::uint64_t>(device.programs.compiled());
+        return work;
     });
 }
 
@@ -322,17 +413,34 @@ VisibilityResult Renderer::visibility(std::size_t light, const Job& job, bool ke
 std::vector<VisibilityResult> Renderer::visibility(std::span<const std::size_t> lights, const Job& job,
                                                    bool keep_everything, Control& control) {
     return impl_->thread_.run([&](Device& device) {
-        std::vector<std::unique_ptr<Impl::Run>> runs;
-        for (const std::size_t light : lights) {
+        const Keep keep{keep_everything, job.keep_rules};
+        std::vector<VisibilityResult> results(lights.size());
+        std::vector<std::unique_ptr<Impl::Run>> runs(lights.size());
+        for (std::size_t i = 0; i < lights.size(); ++i) {
             control.check();
-            runs.push_back(impl_->start(device, light, job, keep_everything, control));
+            std::optional<VisibilityResult> kept;
+            if (job.reuse) {
+                kept = impl_->kept_frame(device, lights[i], job, keep);
+            }
+            if (kept) {
+                results[i] = std::move(*kept);
+                ++impl_->state_->work.frames_kept;
+            } else {
+                runs[i] = impl_->start(device, lights[i], job, keep, control);
+            }
         }
-        std::vector<VisibilityResult> results;
         for (std::size_t i = 0; i < runs.size(); ++i) {
+            if (!runs[i]) {
+                continue;
+            }
             control.check();
-            results.push_back(
-                impl_->visibility(*runs[i], impl_->summary(device, lights[i], keep_everything), job.statistics));
+            const LightSummary& summarised = impl_->summary(device, lights[i], keep);
+            results[i] = impl_->visibility(*runs[i], summarised, job.statistics);
             check_gl("statistics of " + job.technique);
+            ++impl_->state_->work.frames;
+            if (job.reuse) {
+                impl_->keep_frame(job, *runs[i], summarised, lights[i], results[i]);
+            }
         }
         return results;
     });
@@ -397,13 +505,26 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
         std::vector<std::map<std::string, std::vector<double>>> steps(jobs.size());
         for (const Job& job : jobs) {
             control.check();
-            runs.push_back(impl_->start(device, light, job, keep_everything, inner));
+            const Keep keep{keep_everything, job.keep_rules};
+            runs.push_back(impl_->start(device, light, job, keep, inner));
         }
+        const auto hand_over = [&](std::size_t i) {
+            const Keep keep{keep_everything, jobs[i].keep_rules};
+            Job job = jobs[i];
+            job.statistics = false;
+            const auto started = Clock::now();
+            if (!impl_->kept_frame(device, light, job, keep)) {
+                impl_->keep_frame(job, *runs[i], impl_->summary(device, light, keep), light,
+                                  impl_->visibility(*runs[i], impl_->summary(device, light, keep), false));
+            }
+            return ms_since(started);
+        };
         std::vector<std::function<double()>> timed;
         for (std::size_t i = 0; i < runs.size(); ++i) {
             timed.emplace_back([&, i] { return impl_->frame(device, *runs[i], true, &steps[i]); });
             // A static frame follows a dynamic one of the same technique, so its maps are there.
             timed.emplace_back([&, i] { return impl_->frame(device, *runs[i], false, nullptr); });
+            timed.emplace_back([&, i] { return hand_over(i); });
         }
         timed.emplace_back([&] {
             impl_->render_view(device);
@@ -417,8 +538,9 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
         for (std::size_t i = 0; i < runs.size(); ++i) {
             Measurement m;
             m.setup = summarise_times({runs[i]->setup_ms});
-            m.dynamic_frame = times[2 * i];
-            m.static_frame = times[2 * i + 1];
+            m.dynamic_frame = times[3 * i];
+            m.static_frame = times[3 * i + 1];
+            m.kept_frame = times[3 * i + 2];
             m.view = times.back();
             for (auto& [name, samples] : steps[i]) {
                 runs[i]->plan.add_time(name, summarise_times(std::move(samples)).median);

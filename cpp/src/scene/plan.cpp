@@ -32,4 +32,24 @@ void Plan::add_time(std::string_view name, double time_ms) noexcept {
     }
 }
 
+bool Keep::has(std::string_view rule) const noexcept {
+    return everything || std::ranges::binary_search(rules, rule);
+}
+
+std::string_view to_string(RuleStage stage) noexcept {
+    switch (stage) {
+        case RuleStage::Export:
+            return "export";
+        case RuleStage::Frame:
+            return "frame";
+        case RuleStage::LightSpace:
+            return "light space";
+        case RuleStage::ViewSpace:
+            return "view space";
+        case RuleStage::Reference:
+            break;
+    }
+    return "reference";
+}
+
 }  // namespace penumbra

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "passes/casters_beside.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
 
@@ -139,7 +140,11 @@ std::vector<LightSamples::Sample> LightSamples::fit_samples(const LightSummary& 
     const LightKind kind = summary.light->kind;
     const bool sphere = (kind == LightKind::Point || kind == LightKind::Spot) && summary.has_extent;
     const SphereCap cap = sphere ? visible_cap(summary) : SphereCap{};
-    for (const LightSamplePoint& point : sample_points(*summary.light, count_, pattern_, seed_, cap)) {
+    std::vector<LightSamplePoint> points = sample_points(*summary.light, count_, pattern_, seed_, cap);
+    if (!summary.has_extent && summary.keeps("light-without-extent")) {
+        points.resize(static_cast<std::size_t>(count_), points.front());
+    }
+    for (const LightSamplePoint& point : points) {
         Sample sample;
         sample.point = point;
         sample.frustum = fit_map_frustum(summary, point.position_ws, point.direction_ws, {.size_px = size_px_});
@@ -175,11 +180,11 @@ Plan LightSamples::plan(const LightSummary& summary) const {
         plan.leave_out("mean", trivial.rule, trivial.reason);
         return plan;
     }
-    if (masked_ && !summary.keep_everything && count_ > 1) {
+    if (masked_ && !summary.keep.everything && count_ > 1) {
         PenumbraMask::plan(summary, plan);
     }
     plan.run("depth maps");
-    if (!summary.has_extent && count_ > 1) {
+    if (!summary.has_extent && count_ > 1 && !summary.keeps("light-without-extent")) {
         plan.leave_out("further depth maps", "light-without-extent",
                        "the light has no extent: all " + std::to_string(count_) + " samples are the same point");
     }
@@ -188,6 +193,13 @@ Plan LightSamples::plan(const LightSummary& summary) const {
                        std::to_string(summary.casters_outside) +
                            " casters lie outside the space between the light and the visible receivers");
     }
+    CastersBeside beside;
+    for (const Sample& sample : fit_samples(summary)) {
+        for (const MapFace& face : sample.frustum.faces) {
+            beside.add(summary, face);
+        }
+    }
+    beside.tell(plan);
     plan.run("lookups");
     plan.run("mean");
     return plan;

@@ -17,7 +17,7 @@ LightSummary summary_of(const LightSummary& whole, const std::vector<glm::vec3>&
     rest.view = whole.view;
     rest.eye_ws = whole.eye_ws;
     rest.has_extent = whole.has_extent;
-    rest.keep_everything = whole.keep_everything;
+    rest.keep = whole.keep;
     rest.receivers = whole.receivers;
     rest.casters = whole.casters;
     rest.caster_needed = whole.caster_needed;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "passes/casters_beside.h"
 #include "passes/frame.h"
 #include "scene/setting_forms.h"
 #include "techniques/all_lights.h"
@@ -153,7 +154,7 @@ bool round_without_axes(LightKind kind) {
 
 /// Receivers that are no casters, or the other way round: skins then need maps of their own.
 bool needs_surface_map(const LightSummary& summary) noexcept {
-    return summary.has_extent && (summary.receivers_not_casting > 0 || summary.keep_everything);
+    return summary.has_extent && (summary.receivers_not_casting > 0 || summary.keeps("every-receiver-casts"));
 }
 
 }  // namespace
@@ -223,7 +224,7 @@ std::vector<LinearLightMaps::Rod> LinearLightMaps::fit_rods(const LightSummary& 
 }
 
 std::string LinearLightMaps::no_skins(const LightSummary& summary, const std::vector<Rod>& rods) const {
-    if (summary.keep_everything) {
+    if (summary.keeps("skin-under-threshold")) {
         return {};
     }
     double longest = 0.0;
@@ -266,7 +267,7 @@ Plan LinearLightMaps::plan(const LightSummary& summary) const {
     const bool rest = std::ranges::any_of(rods, [](const Rod& rod) { return !rod.views.outside_cr.empty(); });
     if (rest) {
         plan.run(kRest);
-    } else if (!summary.keep_everything) {
+    } else if (!summary.keeps("cube-face-without-receivers")) {
         plan.leave_out(kRest, "cube-face-without-receivers",
                        "no visible receiver lies close to the line through one of the light's lines");
     }
@@ -275,6 +276,15 @@ Plan LinearLightMaps::plan(const LightSummary& summary) const {
                        std::to_string(windows_without_receivers) +
                            " of the windows around the light's lines hold no visible receiver");
     }
+    CastersBeside beside;
+    for (const Rod& rod : rods) {
+        for (const LinearWindow& window : rod.views.windows) {
+            for (const MapFace& face : window.faces) {
+                beside.add(summary, face);
+            }
+        }
+    }
+    beside.tell(plan);
     if (summary.casters_outside > 0) {
         plan.leave_out("casters out of reach", "caster-outside-hull",
                        std::to_string(summary.casters_outside) +

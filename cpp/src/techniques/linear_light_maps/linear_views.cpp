@@ -436,7 +436,7 @@ LinearViews fit_linear_views(const LightSummary& summary, const LinearRod& rod, 
     }
     for (int i = 0; i < (one ? 1 : kMostWindows); ++i) {
         const Seen& in = seen[static_cast<std::size_t>(i)];
-        if (in.empty() && !summary.keep_everything) {
+        if (in.empty() && !summary.keeps("cube-face-without-receivers")) {
             views.windows_without_receivers.emplace_back(kWindowNames[static_cast<std::size_t>(i)]);
         } else {
             views.window_towards[static_cast<std::size_t>(i)] = static_cast<int>(views.windows.size());

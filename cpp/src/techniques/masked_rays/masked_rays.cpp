@@ -100,6 +100,12 @@ Plan MaskedRays::plan(const LightSummary& summary) const {
         plan.leave_out("rays", trivial.rule, trivial.reason);
         return plan;
     }
+    if (summary.casters_outside > 0 && plan.runs("penumbra mask")) {
+        plan.leave_out("casters out of reach", "caster-outside-hull",
+                       std::to_string(summary.casters_outside) +
+                           " casters lie outside the space between the light and the visible receivers, and are not "
+                           "drawn into the mask's map");
+    }
     plan.run("rays");
     return plan;
 }

@@ -105,7 +105,7 @@ FieldOfUse Pcf::field_of_use() const {
 
 Plan Pcf::plan(const LightSummary& summary) const {
     Plan plan;
-    if (map_.plan(summary, "filtered lookup", plan) && mask_ && !summary.keep_everything) {
+    if (map_.plan(summary, "filtered lookup", plan) && mask_ && !summary.keeps("kernel-on-one-side")) {
         plan.run("depths under the kernel");
         plan.leave_out("comparisons that agree", "kernel-on-one-side",
                        "where all depths under the kernel lie on one side of the receiver, one answer serves for all " +

@@ -174,7 +174,7 @@ Verdict PenumbraMaps::supports(const Light& /*light*/) const {
 }
 
 std::string PenumbraMaps::too_narrow(const LightSummary& summary) const {
-    if (summary.keep_everything) {
+    if (summary.keeps("penumbra-under-half-a-texel")) {
         return {};
     }
     const MapFrustum frustum = map_.fit(summary);
@@ -223,7 +223,7 @@ Plan PenumbraMaps::plan(const LightSummary& summary) const {
         soft.push_back(kPack);
     }
     for (const char* step : soft) {
-        if (!summary.has_extent) {
+        if (!summary.has_extent && !summary.keeps("light-without-extent")) {
             plan.leave_out(step, "light-without-extent", "the light has no extent, so its shadows are hard");
         } else if (!narrow.empty()) {
             plan.leave_out(step, "penumbra-under-half-a-texel", narrow);
@@ -355,7 +355,7 @@ void PenumbraMaps::prepare(Frame& frame) {
     if (!soft_) {
         return;
     }
-    // Casters that only keep_everything brings in must not matter, and a disc of equal area may reach where the light's
+    // Casters that only a kept rule brings in must not matter, and a disc of equal area may reach where the light's
     // own shape does not.
     const LightSummary& summary = frame.summary();
     std::vector<std::uint32_t> casters;

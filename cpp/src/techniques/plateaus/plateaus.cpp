@@ -238,12 +238,14 @@ bool Plateaus::skips_umbra() const noexcept {
 }
 
 bool Plateaus::sifts(const LightSummary& summary, const Layout& layout) const noexcept {
-    return !summary.keep_everything && !slopes_off_planes(layout);  // those read slopes under the umbra too
+    return !summary.keeps("silhouette-under-umbra") &&
+           !slopes_off_planes(layout);  // those read slopes under the umbra too
 }
 
 bool Plateaus::skips_unseen(const LightSummary& summary, const Layout& layout) const noexcept {
     // A texture of whole objects is for baking, and where depth is the store there is no second depth to skip by.
-    return sifts(summary, layout) && !finding_.whole && store_ != Store::Depth;
+    return !summary.keeps("texel-without-pixel") && !slopes_off_planes(layout) && !finding_.whole &&
+           store_ != Store::Depth;
 }
 
 Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
@@ -348,7 +350,7 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
     layout.widest_texels = widest;
     layout.hard = !summary.has_extent ||
                   (shape_.k <= 0.0 && shape_.least_radius_texels <= 0.0 && widest < 0.5 && !layout.blocks.empty());
-    layout.map = layout.hard || receivers.pixels_on_none > 0 || summary.keep_everything;
+    layout.map = layout.hard || receivers.pixels_on_none > 0 || summary.keeps("every-receiver-on-a-plane");
     return layout;
 }
 
@@ -380,11 +382,11 @@ Plan Plateaus::plan(const LightSummary& summary) const {
     } else {
         plan.leave_out("depth map", "every-receiver-on-a-plane", kNoPlane);
     }
-    if (layout.hard && !summary.keep_everything) {
+    const std::string rule = summary.has_extent ? "penumbra-under-half-a-texel" : "light-without-extent";
+    if (layout.hard && !summary.keeps(rule)) {
         const std::string reason = summary.has_extent
                                        ? "no penumbra is wider than half a texel"
                                        : "all points of the light coincide, so every penumbra has the width 0";
-        const std::string rule = summary.has_extent ? "penumbra-under-half-a-texel" : "light-without-extent";
         plan.leave_out("silhouettes", rule, reason);
         plan.leave_out("plateaus", rule, reason);
     } else if (!layout.blocks.empty()) {
@@ -397,7 +399,7 @@ Plan Plateaus::plan(const LightSummary& summary) const {
                            "found on the device for each plane: all of an edge's sheet and cone lies under the umbra, "
                            "or where no pixel looks");
         }
-        if (sifts(summary, layout) && sheets_ == Sheets::Envelope) {
+        if (cuts_to_tiles(summary, layout)) {
             plan.leave_out("tiles of wide slopes", "slope-never-darkest",
                            "found on the device by bounds of each slope over each tile of " +
                                std::to_string(PENUMBRA_PLATEAU_TILE) + " texels");
@@ -464,6 +466,7 @@ void Plateaus::prepare(Frame& frame) {
                    ? TextureImage::make_array(GL_R32F, width, height, layers, "heights of the darkest casters")
                    : TextureImage{};
     sifts_ = sifts(frame.summary(), layout_);
+    cuts_to_tiles_ = cuts_to_tiles(frame.summary(), layout_);
     const bool skips = skips_unseen(frame.summary(), layout_);
     wanted_ = skips ? TextureImage::make_array(GL_R8, width, height, layers, "texels looked up") : TextureImage{};
     if (skips) {
@@ -626,8 +629,8 @@ void Plateaus::find_covered(Frame& frame, std::size_t plane, bool whole) {
     }
 }
 
-bool Plateaus::cuts_to_tiles() const noexcept {
-    return sheets_ == Sheets::Envelope && !slopes_off_planes(layout_);
+bool Plateaus::cuts_to_tiles(const LightSummary& summary, const Layout& layout) const noexcept {
+    return !summary.keeps("slope-never-darkest") && sheets_ == Sheets::Envelope && !slopes_off_planes(layout);
 }
 
 void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles) {
@@ -754,7 +757,7 @@ void Plateaus::draw_primitives(Frame& frame, std::size_t plane) {
     for (std::size_t i = 0; i < 2 * all.size(); ++i) {
         const Draw& draw = all[i % all.size()];
         const bool pieces = i >= all.size();
-        if (pieces && (!cuts_to_tiles() || wireframe_)) {
+        if (pieces && (!cuts_to_tiles_ || wireframe_)) {
             break;
         }
         Defines compiled = defines(plane);
@@ -847,7 +850,7 @@ void Plateaus::update(Frame& frame) {
         if (mailboxes_.bytes() > sizeof(std::uint32_t)) {
             send_mail(frame);
         }
-        const std::size_t pieces = cuts_to_tiles() ? kMostPieces : 0;
+        const std::size_t pieces = cuts_to_tiles_ ? kMostPieces : 0;
         const std::size_t bytes = (std::max<std::uint64_t>(1, silhouettes_.capacity()) + pieces) * sizeof(glm::uvec2);
         if (listed_.bytes() < bytes) {
             listed_ = StorageBuffer(bytes, "silhouettes of a plane");
@@ -869,7 +872,7 @@ void Plateaus::draw_plane(Frame& frame, std::size_t plane, bool whole) {
     if (sifts_) {
         find_covered(frame, plane, whole);
     }
-    sift(frame, plane, !sifts_, cuts_to_tiles());
+    sift(frame, plane, !sifts_, cuts_to_tiles_);
     draw_slopes(frame, plane);
 }
 
@@ -982,7 +985,7 @@ DebugImage Plateaus::primitives_picture(Frame& frame) {
     wireframe_ = false;
     show_hidden_ = false;
     const gpu::PlaneDraws counts = draws_.read<gpu::PlaneDraws>()[0];
-    sift(frame, 0, !sifts_, cuts_to_tiles());
+    sift(frame, 0, !sifts_, cuts_to_tiles_);
     draw_slopes(frame, 0);
     drawn_whole_ = drawn_whole_ && !wanted_;
     const std::vector<glm::vec4> lines = colour.read<glm::vec4>();

@@ -71,7 +71,7 @@ private:
     void find_covered(Frame& frame, std::size_t plane, bool whole);
     void sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles);
     /// Wide slopes are cut to tiles.
-    [[nodiscard]] bool cuts_to_tiles() const noexcept;
+    [[nodiscard]] bool cuts_to_tiles(const LightSummary& summary, const Layout& layout) const noexcept;
     /// Where in `listed_` they are, behind all records.
     [[nodiscard]] std::uint64_t first_piece() const noexcept;
     void draw_slopes(Frame& frame, std::size_t plane);
@@ -100,6 +100,7 @@ private:
     bool show_hidden_ = false;  ///< in the colour of those that are left out
     bool drawn_whole_ = true;   ///< the textures hold texels that no pixel looks up
     bool sifts_ = false;
+    bool cuts_to_tiles_ = false;
 
     CentreMap map_;
     SilhouettePass silhouettes_;

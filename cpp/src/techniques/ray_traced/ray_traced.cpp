@@ -1,5 +1,7 @@
 #include "techniques/ray_traced/ray_traced.h"
 
+#include <algorithm>
+
 #include "passes/frame.h"
 #include "reference/ray_scene.h"
 #include "reference/visibility_tracer.h"
@@ -78,12 +80,12 @@ Plan RayTraced::plan(const LightSummary& summary) const {
         plan.leave_out("rays", trivial.rule, trivial.reason);
         return plan;
     }
-    if (!summary.has_extent && rays_ > 1 && !summary.keep_everything) {
+    if (!summary.has_extent && rays_ > 1 && !summary.keeps("light-without-extent")) {
         plan.leave_out("further rays", "light-without-extent",
                        "the light has no extent: all " + std::to_string(rays_) + " rays are the same");
     }
     const std::uint64_t outside = summary.mask.size() - summary.lit_pixels;
-    if (outside > 0 && !summary.keep_everything) {
+    if (outside > 0 && !summary.keeps("pixel-outside-mask")) {
         plan.leave_out("rays outside the mask", "pixel-outside-mask",
                        std::to_string(outside) + " pixels see no surface or face away from the whole light");
     }
@@ -101,10 +103,21 @@ void RayTraced::update(Frame& /*frame*/) {}
 
 void RayTraced::resolve(Frame& frame) {
     frame.step("rays", [&] {
-        const TraceOptions options{
-            .rays_per_pixel = rays_, .seed = seed_, .early_out = early_out_, .early_out_rays = early_out_rays_};
-        rays_cast_ = trace_visibility(frame.ray_scene(), frame.scene(), frame.view(), frame.light(),
-                                      frame.summary().mask, options, frame.visibility_on_cpu(), frame.control());
+        const LightSummary& summary = frame.summary();
+        const TraceOptions options{.rays_per_pixel = rays_,
+                                   .seed = seed_,
+                                   .early_out = early_out_,
+                                   .early_out_rays = early_out_rays_,
+                                   .repeat_single_point = summary.keeps("light-without-extent")};
+        std::vector<std::uint8_t> all;
+        if (summary.keeps("pixel-outside-mask")) {
+            const View& view = frame.view();
+            all.resize(view.size());
+            std::ranges::transform(view.instance, all.begin(), [](std::int32_t seen) { return seen >= 0 ? 1 : 0; });
+        }
+        rays_cast_ =
+            trace_visibility(frame.ray_scene(), frame.scene(), frame.view(), frame.light(),
+                             all.empty() ? summary.mask : all, options, frame.visibility_on_cpu(), frame.control());
     });
 }
 

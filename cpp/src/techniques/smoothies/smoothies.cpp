@@ -169,17 +169,18 @@ Plan Smoothies::plan(const LightSummary& summary) const {
         return plan;
     }
     Plan own;
-    if (has_width(summary) || summary.keep_everything) {
+    const bool fixed = options_.width == SmoothieOptions::Width::Fixed;
+    if (has_width(summary) || summary.keeps(fixed ? "smoothie-without-width" : "light-without-extent")) {
         own.run(kSilhouettes);
         own.run(kBuffer);
         if (both_sides_) {
             own.run(kInner);
         }
-        if (!reads_depth(summary) && !summary.keep_everything && store_ == Store::Auto) {
+        if (!reads_depth(summary) && !summary.keeps("every-receiver-casts") && store_ == Store::Auto) {
             own.leave_out("smoothie depth", "every-receiver-casts",
                           "every visible receiver casts, so the depth map tells what lies in front of a smoothie");
         }
-    } else if (options_.width == SmoothieOptions::Width::Fixed) {
+    } else if (fixed) {
         own.leave_out(kSilhouettes, "smoothie-without-width", "t is 0, so the smoothies cover nothing");
         own.leave_out(kBuffer, "smoothie-without-width", "t is 0, so the smoothies cover nothing");
     } else {
@@ -234,7 +235,7 @@ void Smoothies::update(Frame& frame) {
         silhouettes_.extract(frame, light_ws, map_.frustum().origin_ws);
     });
     frame.step(kBuffer, [&] {
-        const bool with_depth = reads_depth(frame.summary()) || frame.summary().keep_everything;
+        const bool with_depth = reads_depth(frame.summary()) || frame.summary().keeps("every-receiver-casts");
         buffer_.allocate(map_.size_px(), static_cast<int>(map_.frustum().faces.size()), with_depth);
         buffer_.draw(frame, silhouettes_, map_);
     });
