@@ -195,7 +195,7 @@ def page(
             "which it fires, one on which it must not, and a test that the image is the same with that rule kept and "
             "with everything kept (`--keep-everything`): `tests/cpp/techniques/rules_gl_test.cpp` goes through the "
             "table and fails for a rule without such scenes. How frames are kept: "
-            "[decision 15](decisions/0015-kept-frames.md)."
+            "[decision 18](decisions/0018-kept-frames.md)."
         ),
         "",
         "This page is written by",

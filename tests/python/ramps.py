@@ -182,8 +182,13 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
                 "setup": spread(14.0),
                 "dynamic": spread(cost, tight=True),
                 "static": spread(cost * 0.7, tight=technique != "pcf"),
+                "kept": spread(0.06),
                 "view": spread(4.2),
             }
+            if technique == "shadow_map":
+                record.everything_ms = {"dynamic": spread(2.0 * cost), "static": spread(cost)}
+            elif technique == "pcf":
+                record.everything_ms = {"dynamic": spread(1.01 * cost), "static": spread(cost)}
             record.memory_bytes = 4 << 20
             record.statistics = [
                 Statistic("rays", "Rays cast", "rays", 1234567.0),

@@ -54,6 +54,19 @@ def test_an_exr_holds_the_arrays_that_were_measured(made: tuple[Path, dict[str, 
     assert np.array_equal(exr(folder / first["images"]["visibility"])["visibility"], kept["shadow_map"])
 
 
+def test_what_the_rules_saved_stands_beside_the_plan_if_it_was_measured(made: tuple[Path, dict[str, Any]]) -> None:
+    records = report_of(made[0])["scenes"][0]["lights"][0]["records"]
+    first = next(record for record in records if record["technique"] == "shadow_map")
+    assert first["everything_ms"]["dynamic"]["median"] == 2.0 * first["time_ms"]["dynamic"]["median"]
+    assert all(record["everything_ms"] == {} for record in records if record["technique"] == "ray_traced")
+    page = (made[0] / "report.html").read_text(encoding="utf-8")
+    cost = first["time_ms"]["dynamic"]["median"]
+    saved = f"saves {verdict.milliseconds(cost)} of {verdict.milliseconds(2.0 * cost)}, 50 %"
+    assert f"2 left out: {saved}" in page
+    assert "2 left out: no saving to be told from noise" in page
+    assert "2 left out</em>" in page  # not measured, nothing told
+
+
 def test_what_a_technique_counted_stands_in_the_report(made: tuple[Path, dict[str, Any]]) -> None:
     record = report_of(made[0])["scenes"][0]["lights"][0]["records"][0]
     assert [statistic["id"] for statistic in record["statistics"]] == ["rays", "tagged"]

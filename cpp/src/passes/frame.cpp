@@ -1,5 +1,7 @@
 #include "passes/frame.h"
 
+#include "passes/asked_pixels.h"
+
 namespace penumbra {
 
 void Frame::bind_view() const {
@@ -13,7 +15,7 @@ void Frame::resolve_with(const Program& program) {
 
 void Frame::write_visibility_with(const Program& program) {
     glDisable(GL_BLEND);
-    in_.fullscreen.draw(in_.visibility_target, program);
+    AskedPixels{in_.summary}.draw(*this, in_.visibility_target, program);
 }
 
 std::vector<float>& Frame::visibility_on_cpu() {

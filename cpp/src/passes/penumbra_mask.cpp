@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <ranges>
 #include <utility>
 
 #include "base/parallel.h"
 #include "geometry/region_silhouettes.h"
+#include "passes/asked_pixels.h"
 #include "passes/debug_picture.h"
 #include "passes/frame.h"
 
@@ -182,24 +182,6 @@ DebugImage faces_picture(const TextureImage& texture, std::string caption) {
     least = std::min(least, most);
     return texture_picture(texture, 0, least - 0.25F * (most - least) - 1e-9F * most - 1e-30F, most,
                            std::move(caption));
-}
-
-/// Columns and rows that hold a one: first and past the last.
-glm::ivec4 box_of(std::span<const std::uint8_t> mask, int width) {
-    glm::ivec4 box{width, std::numeric_limits<int>::max(), 0, 0};
-    for (std::size_t row = 0; row * static_cast<std::size_t>(width) < mask.size(); ++row) {
-        const auto pixels = mask.subspan(row * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
-        const auto first = std::ranges::find_if(pixels, [](std::uint8_t asked) { return asked != 0; });
-        if (first != pixels.end()) {
-            const auto backwards = std::views::reverse(pixels);
-            const auto last = std::ranges::find_if(backwards, [](std::uint8_t asked) { return asked != 0; });
-            box.x = std::min(box.x, static_cast<int>(first - pixels.begin()));
-            box.z = std::max(box.z, static_cast<int>(backwards.end() - last));
-            box.y = std::min(box.y, static_cast<int>(row));
-            box.w = static_cast<int>(row) + 1;
-        }
-    }
-    return box.z > box.x ? box : glm::ivec4{0};
 }
 
 bool overlap(const Bounds& bounds, const glm::dvec3& centre, const glm::dvec3& reach) {
@@ -505,14 +487,9 @@ void PenumbraMask::classify(Frame& frame) {
         program.set("umbra_texels", kUmbraTexels);
         frame.bind_view();
         glDisable(GL_BLEND);
-        // A spot lights a part of the picture only.
-        const glm::ivec4 asked = box_of(frame.summary().mask, frame.view().width);
         classes_target_.bind();
         classes_target_.clear_colour(0, glm::vec4{static_cast<float>(Class::Lit) / 255.0F});
-        glEnable(GL_SCISSOR_TEST);
-        glScissor(asked.x, asked.y, asked.z - asked.x, asked.w - asked.y);
-        frame.fullscreen().draw(classes_target_, program);
-        glDisable(GL_SCISSOR_TEST);
+        AskedPixels{frame.summary()}.draw(frame, classes_target_, program);
     });
 }
 

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "geometry/radiometry.h"
 #include "gl/render_thread.h"
+#include "passes/asked_pixels.h"
 #include "passes/field_of_use.h"
 #include "passes/frame.h"
 #include "passes/light_summary.h"
@@ -29,6 +30,14 @@ using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+bool runs_anything(const Plan& plan) {
+    return std::ranges::any_of(plan.steps, &Step::run);
+}
+
+bool leaves_out(const Plan& plan, std::string_view rule) {
+    return std::ranges::any_of(plan.steps, [&](const Step& step) { return step.rule == rule; });
 }
 
 }  // namespace
@@ -251,6 +260,9 @@ public:
         const LightSummary& summarised = summary(device, index, keep);
         run->plan = run->technique->plan(summarised);
         run->plan.warnings = outside_field(run->technique->field_of_use(), summarised);
+        if (runs_anything(run->plan) && !leaves_out(run->plan, "pixel-outside-mask")) {
+            AskedPixels{summarised}.tell(run->plan);
+        }
         run->frame = std::make_unique<Frame>(Frame::Inputs{device, *s.scene, s.gpu_scene, s.adjacency, s.view_pass,
                                                            seen, summarised, s.fullscreen, s.clock, control,
                                                            [this, &control, made = run.get()]() -> const RayScene& {
@@ -325,8 +337,7 @@ public:
     [[nodiscard]] std::vector<float> result(const Run& run, const LightSummary& summarised) const {
         const State& s = *state_;
         std::vector<float> visibility;
-        const bool anything_ran = std::ranges::any_of(run.plan.steps, [](const Step& step) { return step.run; });
-        if (!anything_ran) {
+        if (!runs_anything(run.plan)) {
             visibility.assign(s.view->size(), 1.0F);
         } else if (run.frame->result_on_cpu()) {
             visibility = run.frame->visibility_on_cpu();

@@ -44,7 +44,8 @@ const std::vector<RuleInfo>& rules() {
          "the caster lies beside the map, or beyond all visible receivers in it",
          0.0,
          RuleStage::LightSpace,
-         {"shadow_map", "hybrid", "pcf", "smoothies", "penumbra_maps", "plateaus", "linear_light_maps", "light_samples"}},
+         {"shadow_map", "hybrid", "pcf", "smoothies", "penumbra_maps", "plateaus", "linear_light_maps",
+          "light_samples"}},
         {"cube-face-without-receivers",
          "no visible receiver projects into the face of the light's cube",
          0.0,
@@ -109,10 +110,9 @@ const std::vector<RuleInfo>& rules() {
          RuleStage::LightSpace,
          {"light_samples", "masked_rays"}},
         {"pixel-outside-mask",
-         "the pixel sees no surface, or one that faces away from the whole light",
-         0.0,
-         RuleStage::ViewSpace,
-         {"ray_traced"}},
+         "the pixel sees no surface, or one that faces away from the whole light; on the device: all pixels of a tile "
+         "of 16 x 16",
+         0.0, RuleStage::ViewSpace, every},
         {"reference-pixel-decided",
          "the reference's pilot rays of a pixel and its neighbours show no penumbra, so it gets the least "
          "number of rays that its standard error allows (tolerance: that error, 0.002 unless asked "

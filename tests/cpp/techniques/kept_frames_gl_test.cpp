@@ -50,7 +50,7 @@ std::vector<std::string> ids() {
     }
     return all;
 }
-INSTANTIATE_TEST_SUITE_P(Registry, KeptFramesGl, testing::ValuesIn(ids()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Registry, KeptFramesGl, testing::ValuesIn(ids()), [](const auto& made) { return made.param; });
 
 TEST_P(KeptFramesGl, ASecondFrameOfAnUnchangedSceneRunsNoStep) {
     const std::string& id = GetParam();

@@ -86,8 +86,22 @@ const std::map<std::string, Proof>& proofs() {
     };
     const auto many_sides = [] {
         Scene scene = scenes::straight_edge(scenes::point_light({0, 0, 1}, 0.1), 0.5, 0.0, 64, 8.0);
-        scene.camera = scenes::camera_from_above(8.0, 64, 64);
+        scene.camera = scenes::camera_from_above(8.0, 40, 40);
         return with(scene, scenes::sphere(6, false), {2.0, 0.0, 0.3});
+    };
+    // A line in the middle of a ball, whose inside is seen all around it from a hole in its wall.
+    const auto inside_a_ball = [] {
+        Scene scene = plain();
+        scene.instances = {scenes::place(scenes::sphere(12, false), "room")};
+        scene.instances[0].world_from_local = glm::dmat4{glm::dmat3{3.0}};
+        scene.lights[0] = line_light(0.5);
+        scene.lights[0].position_ws = glm::dvec3{0.0};
+        scene.camera = ball_in_perspective({}).camera;
+        scene.camera.tan_half_width = 5.0;
+        scene.camera.width_px = scene.camera.height_px = 48;
+        scene.camera.near_m = 1e-3;
+        scene.camera.world_from_camera[3] = glm::dvec4{0.0, 0.0, 2.7, 1.0};
+        return scene;
     };
     const auto envelope_off = [] { return lit_by(scenes::rectangle_light({0, 0, 4}, 1e-4, 1e-4)); };
     static const std::map<std::string, Proof> all{
@@ -131,7 +145,10 @@ const std::map<std::string, Proof>& proofs() {
                   return with_box({0.62, 0.0, 3.6}, 0.05F);
               },
           .silent = plain}},
-        {"cube-face-without-receivers", {.fires = many_sides, .silent = plain}},
+        {"cube-face-without-receivers",
+         {.fires = many_sides,
+          .silent = plain,
+          .other = {{"linear_light_maps", {.fires = many_sides, .silent = inside_a_ball}}}}},
         {"every-receiver-casts", {.fires = plain, .silent = floating_ground}},
         {"penumbra-under-half-a-texel", {.fires = tiny, .silent = plain}},
         {"skin-under-threshold",
@@ -172,8 +189,8 @@ const std::map<std::string, Proof>& proofs() {
         {"pixel-outside-mask",
          {.fires =
               [] {
-                  Scene scene = with(plain(), scenes::sphere(8, false), {0.6, 0, 3.4});  // parts of it face away
-                  scene.instances[0] = scenes::place(scenes::sheet(-50, 0.9, -50, 50), "ground");
+                  Scene scene = with(plain(), scenes::sphere(8, false), {-1.0, 0, 2.4});  // parts of it face away
+                  scene.instances[0] = scenes::place(scenes::sheet(-50, 0.5, -50, 50), "ground");
                   return scene;
               },
           .silent = plain}},
@@ -195,8 +212,8 @@ std::vector<std::string> rule_ids() {
     return ids;
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, Rules, testing::ValuesIn(rule_ids()), [](const auto& info) {
-    std::string name = info.param;
+INSTANTIATE_TEST_SUITE_P(Table, Rules, testing::ValuesIn(rule_ids()), [](const auto& made) {
+    std::string name = made.param;
     std::ranges::replace(name, '-', '_');
     return name;
 });

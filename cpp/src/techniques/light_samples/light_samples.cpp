@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "passes/asked_pixels.h"
 #include "passes/casters_beside.h"
 #include "passes/frame.h"
 #include "techniques/all_lights.h"
@@ -212,7 +213,8 @@ void LightSamples::prepare(Frame& frame) {
     mask_.prepare(frame);
     const LightKind kind = frame.light().kind;
     samples_ = fit_samples(frame.summary());
-    sphere_ = (kind == LightKind::Point || kind == LightKind::Spot) && samples_.size() > 1;
+    sphere_ =
+        (kind == LightKind::Point || kind == LightKind::Spot) && frame.summary().has_extent && samples_.size() > 1;
     std::size_t layers = 0;
     std::size_t most = 0;
     for (const Sample& sample : samples_) {
@@ -263,7 +265,7 @@ const Program& LightSamples::accumulation(Frame& frame, const Sample& sample) co
     return frame.device().programs.get({"lib/fullscreen.vert", "techniques/light_samples/accumulate.frag"}, defines);
 }
 
-void LightSamples::accumulate(Frame& frame, const Sample& sample, int first_layer) {
+void LightSamples::accumulate(Frame& frame, const Sample& sample, int first_layer, const AskedPixels& asked) {
     setup_.bind_for_lookup(sample.block);
     const Program& program = accumulation(frame, sample);
     bias_.set_uniforms(program);
@@ -279,7 +281,7 @@ void LightSamples::accumulate(Frame& frame, const Sample& sample, int first_laye
         glEnable(GL_STENCIL_TEST);
         glStencilFunc(GL_EQUAL, 1, 0xFFU);
     }
-    frame.fullscreen().draw(sums_target_, program);
+    asked.draw(frame, sums_target_, program);
     glDisable(GL_STENCIL_TEST);
     glDisable(GL_BLEND);
 }
@@ -293,6 +295,7 @@ void LightSamples::resolve(Frame& frame) {
             mask_.write_stencil(frame, sums_target_);
         }
         frame.bind_view();
+        const AskedPixels asked{frame.summary()};
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             frame.control().check();
             int first_layer = samples_[i].first_layer;
@@ -302,7 +305,7 @@ void LightSamples::resolve(Frame& frame) {
                 frame.bind_view();
             }
             maps_.texture().bind(2);
-            accumulate(frame, samples_[i], first_layer);
+            accumulate(frame, samples_[i], first_layer, asked);
         }
     });
     frame.step("mean", [&] {

@@ -8,6 +8,8 @@
 
 namespace penumbra {
 
+class AskedPixels;
+
 /// N hard shadow maps from points of the light, averaged on the GPU [HeckbertHerf1997]. Tends to the truth as N and the
 /// maps' size grow, for every arrangement of casters; costs N hard frames. V takes N + 1 values, so penumbrae show
 /// steps of width W/N. Weights of sphere samples and failures: docs/techniques/light_samples.md.
@@ -38,7 +40,7 @@ private:
     [[nodiscard]] std::vector<Sample> fit_samples(const LightSummary& summary) const;
     void render_maps(Frame& frame, std::size_t index, int first_layer);
     [[nodiscard]] const Program& accumulation(Frame& frame, const Sample& sample) const;
-    void accumulate(Frame& frame, const Sample& sample, int first_layer);
+    void accumulate(Frame& frame, const Sample& sample, int first_layer, const AskedPixels& asked);
 
     int count_;
     int size_px_;

@@ -214,7 +214,9 @@ std::vector<LinearLightMaps::Rod> LinearLightMaps::fit_rods(const LightSummary& 
         Rod rod;
         rod.segment = segment;
         rod.views = fit_linear_views(
-            summary, segment, places.empty() ? even_places(summary.has_extent ? samples_ : 1) : places[rods.size()],
+            summary, segment,
+            places.empty() ? even_places(summary.has_extent || summary.keeps("light-without-extent") ? samples_ : 1)
+                           : places[rods.size()],
             summary.eye_ws + middle_cr, size_px_);
         rod.first_layer = layer;
         layer += rod.layers();
@@ -290,7 +292,7 @@ Plan LinearLightMaps::plan(const LightSummary& summary) const {
                        std::to_string(summary.casters_outside) +
                            " casters lie outside the space between the light and the visible receivers");
     }
-    if (!summary.has_extent) {
+    if (!summary.has_extent && !summary.keeps("light-without-extent")) {
         plan.leave_out("further depth maps", "light-without-extent",
                        "the light has no extent: all " + std::to_string(samples_) + " samples are the same point");
         plan.leave_out(kSkins, "light-without-extent", "the light has no extent, so its shadows are hard");

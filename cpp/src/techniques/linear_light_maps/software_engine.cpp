@@ -25,13 +25,14 @@ void SoftwareEngine::resolve(Frame& frame, const LinearLookup& lookup, const Loc
                              std::span<const glm::vec2> rest, std::vector<float>& visibility) const {
     const View& view = frame.view();
     const LightSummary& summary = frame.summary();
+    const bool all = summary.keeps("pixel-outside-mask");
     parallel_for(
         static_cast<std::int64_t>(view.size()), 1024,
         [&](std::int64_t begin, std::int64_t end) {
             std::vector<double> weights;
             for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
                 visibility[i] = 1.0F;
-                if (summary.mask[i] == 0) {
+                if (all ? !view.hit(i) : summary.mask[i] == 0) {
                     continue;
                 }
                 double sum = rest.empty() ? 0.0 : static_cast<double>(rest[i].x);

@@ -381,6 +381,11 @@ Plan Plateaus::plan(const LightSummary& summary) const {
         plan = map;
     } else {
         plan.leave_out("depth map", "every-receiver-on-a-plane", kNoPlane);
+        if (summary.casters_outside > 0) {
+            plan.leave_out("casters out of reach", "caster-outside-hull",
+                           std::to_string(summary.casters_outside) +
+                               " casters lie outside the space between the light and the visible receivers");
+        }
     }
     const std::string rule = summary.has_extent ? "penumbra-under-half-a-texel" : "light-without-extent";
     if (layout.hard && !summary.keeps(rule)) {
