@@ -201,7 +201,8 @@ def page(
         "This page is written by",
         "",
         f"    python tests/benchmarks/rules_bench.py --size {arguments.size[0]}x{arguments.size[1]} "
-        f"--seconds {arguments.seconds:g}",
+        f"--scenes {','.join(arguments.scenes)} --seconds {arguments.seconds:g}"
+        f"{' --no-reference' if arguments.no_reference else ''}",
         "",
         wrapped(
             f"Machine: {environment.cpu_model()}, {environment.usable_cores()} cores, {device}, "

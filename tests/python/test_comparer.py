@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -90,7 +91,7 @@ def test_a_comparison_has_a_complete_record_per_technique(core: Any, renderer: A
     assert [record.status for record in light.records] == ["ok", "ok"]
     assert light.size_m == pytest.approx([1.0, 1.0])
     for record in light.records:
-        assert set(record.time_ms) == {"setup", "dynamic", "static", "view"}
+        assert set(record.time_ms) == {"setup", "dynamic", "static", "kept", "view"}
         assert record.visibility is not None
         assert record.visibility.shape == (64, 96)
         assert record.area is not None
@@ -101,6 +102,34 @@ def test_a_comparison_has_a_complete_record_per_technique(core: Any, renderer: A
     assert light.records[1].seeds == 4
     assert light.irradiance is not None
     assert light.irradiance.max() > 0
+
+
+def test_savings_are_measured_where_they_are_asked_for(core: Any, renderer: Any) -> None:
+    assert all(record.everything_ms == {} for record in compared(core, renderer)[0].lights[0].records)
+    scene, _ = compared(core, renderer, replace(FAST, measure_savings=True))
+    for record in scene.lights[0].records:
+        assert set(record.everything_ms) == {"dynamic", "static"}
+        saved = record.saved_ms()
+        assert saved == record.everything_ms["dynamic"].median - record.time_ms["dynamic"].median
+        assert any(step.state == "run" for step in record.plan)
+    whole, _ = compared(core, renderer, replace(FAST, measure_savings=True, keep_everything=True))
+    assert whole.lights[0].records[0].saved_ms() is None, "nothing is left out, so nothing is saved"
+
+
+def test_an_unchanged_frame_is_handed_over_where_it_is_asked_for(core: Any, renderer: Any) -> None:
+    scene = export(core).scene
+    renderer.set_scene(scene)
+    first = renderer.visibility(0, "shadow_map", reuse=True)
+    renderer.set_scene(scene)
+    before = renderer.work()
+    second = renderer.visibility(0, "shadow_map", reuse=True)
+    assert (first["kept"], second["kept"]) == (False, True)
+    assert renderer.work() == before | {"frames_kept": before["frames_kept"] + 1}
+    assert all(step["state"] == "left_out" for step in second["plan"])
+    assert np.array_equal(first["visibility"], second["visibility"])
+    assert not renderer.visibility(0, "shadow_map")["kept"]
+    with pytest.raises(core.InvalidSettings, match="no rule"):
+        renderer.visibility(0, "shadow_map", keep_rules=["no-such-rule"])
 
 
 def test_a_technique_that_fails_is_recorded_and_the_others_go_on(core: Any, renderer: Any) -> None:
