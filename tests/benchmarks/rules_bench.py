@@ -162,9 +162,9 @@ def frame_rows(runs: list[Run]) -> list[str]:
                 ms(dynamic.median),
                 saved,
                 ms(static),
-                f"-{share(static, dynamic.median):.0f} %",
+                f"{-share(static, dynamic.median):+.0f} %",
                 ms(kept),
-                f"-{share(kept, dynamic.median):.1f} %",
+                f"{-share(kept, dynamic.median):+.1f} %",
             )
         )
     plan = sum(run.plan["dynamic"].median for run in runs)
@@ -183,7 +183,7 @@ def page(
     runs: list[Run], references: dict[str, tuple[float, float]], arguments: argparse.Namespace, device: str
 ) -> str:
     def wrapped(text: str) -> str:
-        return textwrap.fill(text, 118)
+        return textwrap.fill(text, 118, break_on_hyphens=False)
 
     load = os.getloadavg()[0]
     lines = [
