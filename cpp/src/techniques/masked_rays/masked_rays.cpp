@@ -133,9 +133,8 @@ void MaskedRays::resolve(Frame& frame) {
             mask_.read_classes(classes_);
         }
         std::vector<std::uint8_t> listed(visibility.size());
-        const bool all = summary.keeps("pixel-outside-mask");
         for (std::size_t i = 0; i < listed.size(); ++i) {
-            const bool asked = all ? frame.view().hit(i) : summary.mask[i] != 0;
+            const bool asked = summary.mask[i] != 0;
             const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
             listed[i] = asked && found == PenumbraMask::Class::Maybe ? 1 : 0;
             visibility[i] = !asked ? -1.0F : (found == PenumbraMask::Class::Umbra ? 0.0F : 1.0F);
