@@ -312,9 +312,11 @@ class Renderer:
         min_runs: typing.SupportsInt | typing.SupportsIndex = 5,
         max_runs: typing.SupportsInt | typing.SupportsIndex = 200,
         progress: typing.Any = None,
+        keep_rules: collections.abc.Sequence[collections.abc.Sequence[str]] = [],
     ) -> list:
         """
         Times of (technique, settings) jobs, measured interleaved; milliseconds.
+        keep_rules: for each job the rules that must leave nothing out; ["all"] for all of them.
         """
     def reference(
         self,
@@ -348,11 +350,19 @@ class Renderer:
         keep_everything: bool = False,
         statistics: bool = True,
         progress: typing.Any = None,
+        reuse: bool = False,
+        keep_rules: collections.abc.Sequence[str] = [],
     ) -> dict:
         """
         {visibility (h, w) float32 0 umbra .. 1 lit, settings, plan, warnings, statistics,
-        memory_bytes, time_ms}; warnings {id, reason}: where the technique leaves its field of use.
+        memory_bytes, time_ms, kept}; warnings {id, reason}: where the technique leaves its field of use.
         statistics: count what the frame did, which may cost as much as the frame.
+        reuse: keep V, and hand over an earlier frame's if view, light, casters and settings are the same.
+        keep_rules: ids of rules that must leave nothing out.
+        """
+    def work(self) -> dict:
+        """
+        What it has done so far: programs compiled, views drawn, frames made and kept, and more.
         """
     @property
     def environment(self) -> dict: ...
@@ -409,7 +419,7 @@ def pareto_front(
 
 def rules() -> list:
     """
-    All rules that leave work out, with condition and tolerance of V.
+    All rules that leave work out: id, condition, tolerance of V, stage of a frame, and the techniques it can fire in.
     """
 
 def techniques() -> list:

@@ -195,7 +195,7 @@ double share_under_horizon(const LightSummary& summary) {
 
 std::vector<Warning> outside_field(const FieldOfUse& field, const LightSummary& summary) {
     std::vector<Warning> warnings;
-    if (summary.nothing_asked() || summary.nothing_casts() || !summary.light->casts_shadow) {
+    if (summary.lit_pixels == 0 || summary.casters.empty() || !summary.light->casts_shadow) {
         return warnings;
     }
     const Light& light = *summary.light;
