@@ -61,7 +61,7 @@ struct Keep {
     std::vector<std::string> rules;  ///< ids, ascending
 
     Keep() = default;
-    Keep(bool every) : everything{every} {}  // NOLINT(google-explicit-constructor): all or nothing is the usual case
+    Keep(bool every) : everything{every} {}  // NOLINT(*-explicit-constructor): mostly all or nothing
     /// @param ids  of rules, or "all" for everything. @throws InvalidSettings for an id that is not in rules()
     Keep(bool every, std::vector<std::string> ids);
     [[nodiscard]] bool has(std::string_view rule) const noexcept;

@@ -54,7 +54,7 @@ struct Job {
     std::string technique;
     Settings settings;
     bool statistics = true;  ///< visibility() counts what the frame did, which may cost as much as the frame
-    std::vector<std::string> keep_rules = {};  ///< ids of rules that must leave nothing out, beside keep_everything
+    std::vector<std::string> keep_rules = {};  ///< ids of rules to be kept as well NOLINT(*-redundant-member-init)
     /// visibility() keeps V, and hands over an earlier frame's if view, light, casters and settings are the same.
     bool reuse = false;
 };

@@ -26,7 +26,7 @@ void for_sides(const Adjacency& adjacency, const Adjacency::Edge& edge, const F&
 }
 
 TriangleFacing facing(double height) noexcept {
-    return height > 0.0 ? kFacesLight : (height < 0.0 ? kFacesAway : kSeenEdgeOn);
+    return height > 0.0 ? FacesLight : (height < 0.0 ? FacesAway : SeenEdgeOn);
 }
 
 glm::dvec3 corner(const Mesh& mesh, std::uint32_t v) {
@@ -193,7 +193,7 @@ int edge_multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge, c
     for_sides(adjacency, edge, [&](std::uint32_t side) {
         const std::uint8_t seen = towards[side / 2];
         if (bounds_volume(seen, faces)) {
-            m += ((side & 1U) != 0) == (seen == kFacesLight) ? -1 : 1;
+            m += ((side & 1U) != 0) == (seen == FacesLight) ? -1 : 1;
         }
     });
     return m;
@@ -268,7 +268,7 @@ void VolumeMaker::append(const glm::dvec4& light_local, VolumeFaces faces, const
         if (!bounds_volume(towards_[t], faces)) {
             continue;
         }
-        const bool front = towards_[t] == kFacesLight;
+        const bool front = towards_[t] == FacesLight;
         const glm::uvec3& v = mesh_->triangles[t];
         if (options.near_caps) {
             auto& list = front ? out.wound : out.flipped;

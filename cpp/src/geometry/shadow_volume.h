@@ -19,10 +19,10 @@ enum class VolumeFaces {
 };
 
 /// What the light sees of a triangle. Of one that it sees edge-on, nothing: it shades nothing, and its volume is none.
-enum TriangleFacing : std::uint8_t { kFacesAway = 0, kFacesLight = 1, kSeenEdgeOn = 2 };
+enum TriangleFacing : std::uint8_t { FacesAway = 0, FacesLight = 1, SeenEdgeOn = 2 };
 [[nodiscard]] constexpr bool bounds_volume(std::uint8_t facing, VolumeFaces faces) noexcept {
-    return facing != kSeenEdgeOn &&
-           (faces == VolumeFaces::All || (facing == kFacesLight) == (faces == VolumeFaces::Towards));
+    return facing != SeenEdgeOn &&
+           (faces == VolumeFaces::All || (facing == FacesLight) == (faces == VolumeFaces::Towards));
 }
 
 /// How far a mesh is a solid.

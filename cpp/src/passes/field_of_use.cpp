@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <sstream>
 
@@ -67,7 +68,7 @@ glm::dvec2 widths_of(const Light& light) {
 
 std::string size_text(const Light& light) {
     if (light.kind == LightKind::Sun) {
-        return join("the sun is ", light.sun_angle_rad * 180.0 / 3.14159265358979, " degrees wide");
+        return join("the sun is ", light.sun_angle_rad * 180.0 / std::numbers::pi, " degrees wide");
     }
     const glm::dvec2 widths = widths_of(light);
     return widths.y < widths.x ? join("the light is ", widths.x, " x ", widths.y, " m large")

@@ -33,8 +33,16 @@ SharedFit fit_around(const View& view, std::span<const float> visibility, std::s
     const auto width = static_cast<std::size_t>(view.width);
     const int x = static_cast<int>(pixel % width);
     const int y = static_cast<int>(pixel / width);
-    float n = 0.0F, sx = 0.0F, sy = 0.0F, sxx = 0.0F, sxy = 0.0F, syy = 0.0F, sv = 0.0F, sxv = 0.0F, syv = 0.0F,
-          svv = 0.0F;
+    float n = 0.0F;
+    float sx = 0.0F;
+    float sy = 0.0F;
+    float sxx = 0.0F;
+    float sxy = 0.0F;
+    float syy = 0.0F;
+    float sv = 0.0F;
+    float sxv = 0.0F;
+    float syv = 0.0F;
+    float svv = 0.0F;
     for (int dy = std::max(-radius, -y); dy <= std::min(radius, view.height - 1 - y); ++dy) {
         for (int dx = std::max(-radius, -x); dx <= std::min(radius, view.width - 1 - x); ++dx) {
             const std::size_t i = static_cast<std::size_t>(y + dy) * width + static_cast<std::size_t>(x + dx);

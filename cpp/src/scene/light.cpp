@@ -150,7 +150,7 @@ glm::dvec3 mean(const std::vector<glm::dvec3>& corners) {
 
 void drop_repeated_corners(std::vector<glm::dvec3>& corners) {
     // Not std::ranges::unique: Clang 14, which the fuzzer is built with, cannot compile libstdc++ 12's subrange.
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());  // NOLINT(modernize-use-ranges)
     while (corners.size() > 1 && corners.front() == corners.back()) {
         corners.pop_back();
     }
