@@ -105,6 +105,7 @@ _OF_SCENE: Readers = {
     "warn_rmse": _number(0.0, 1.0),
     "fail_rmse": _number(0.0, 1.0),
     "keep_everything": _flag,
+    "measure_savings": _flag,
 }
 _OF_JOB: Readers = {
     "out": _text,

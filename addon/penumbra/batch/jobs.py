@@ -112,6 +112,7 @@ class Item:
             words += [] if options.target_rmse is None else [f"--target-rmse={options.target_rmse:g}"]
             if options.timing_seconds != Options.timing_seconds:
                 words.append(f"--timing-seconds={options.timing_seconds:g}")
+            words += ["--measure-savings"] if options.measure_savings else []
             words += [] if options.use_cache else ["--no-cache"]
         for technique, settings in options.settings.items():
             words += [f"--set={technique}.{key}={word(value)}" for key, value in settings.items()]

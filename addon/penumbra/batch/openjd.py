@@ -171,6 +171,7 @@ def _scene_lines(items: list[Item]) -> list[str]:
             "reference_error": options.reference_error,
             "target_rmse": options.target_rmse,
             "timing_seconds": options.timing_seconds,
+            "measure_savings": options.measure_savings,
             # A step that ends with any other code than 0 has failed; a warning is for the summary's page.
             "fail_rmse": first.fail_rmse,
         }

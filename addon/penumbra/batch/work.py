@@ -146,6 +146,7 @@ def _recorded(item: Item) -> dict[str, Any]:
         "warn_rmse": item.warn_rmse,
         "fail_rmse": item.fail_rmse,
         "keep_everything": options.keep_everything,
+        "measure_savings": options.measure_savings,
     }
 
 

@@ -20,7 +20,7 @@ _DEFAULTS: dict[str, Any] = {
     "render": False, "technique": "", "format": "exr", "device": "", "workers": 1, "no_cache": False,
     "frames": (), "cameras": (), "size": None, "techniques": (), "set": [], "lights": (), "sweep": "off",
     "timing_seconds": 3.0, "reference_error": 0.002, "target_rmse": None, "warn_rmse": None, "fail_rmse": None,
-    "keep_everything": False,
+    "keep_everything": False, "measure_savings": False,
 }  # fmt: skip
 
 

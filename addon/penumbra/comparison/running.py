@@ -121,7 +121,7 @@ class Running:
 
 
 def _recorded(options: Options) -> dict[str, Any]:
-    names = ("sweep", "reference_error", "target_rmse", "timing_seconds", "keep_everything")
+    names = ("sweep", "reference_error", "target_rmse", "timing_seconds", "keep_everything", "measure_savings")
     return {name: getattr(options, name) for name in names} | {"warn_rmse": None, "fail_rmse": None}
 
 
