@@ -237,6 +237,20 @@ def test_escape_ends_the_render_and_the_next_one_works(addon: Kit, monkeypatch: 
     assert bpy.ops.render.render() == {"FINISHED"}
 
 
+def lit_shares(scene: bpy.types.Scene, folder: Path) -> list[float]:
+    """Renders the animation; the share of each frame's pixels that are lit, first frame first."""
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(folder / "frame_####")
+    assert bpy.ops.render.render(animation=True) == {"FINISHED"}
+    shares = []
+    for frame in range(scene.frame_start, scene.frame_end + 1):
+        channels = OpenEXR.File(str(folder / f"frame_{frame:04}.exr")).channels()
+        pixels = np.asarray(next(iter(channels.values())).pixels)
+        shares.append(float((pixels[..., 0] > 0).mean()))
+    return shares
+
+
 def test_an_animation_renders_every_frame_with_one_renderer(addon: Kit, tmp_path: Path) -> None:
     from penumbra import session
 
@@ -247,15 +261,7 @@ def test_an_animation_renders_every_frame_with_one_renderer(addon: Kit, tmp_path
     for frame, x in ((1, 0.0), (4, 0.4)):
         blocker.location.x = x
         blocker.keyframe_insert("location", index=0, frame=frame)
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.filepath = str(tmp_path / "frame_####")
-    assert bpy.ops.render.render(animation=True) == {"FINISHED"}
-    lit = []
-    for frame in range(1, 5):
-        channels = OpenEXR.File(str(tmp_path / f"frame_{frame:04}.exr")).channels()
-        pixels = np.asarray(next(iter(channels.values())).pixels)
-        lit.append(int((pixels[..., 0] > 0).sum()))
+    lit = lit_shares(scene, tmp_path)
     assert lit == sorted(lit) and lit[0] < lit[-1], "the shadow moves away"
     assert session.count() == (1, 0)
     session.release()
@@ -398,15 +404,7 @@ def test_an_animation_changes_the_camera_at_each_marker(addon: Kit, tmp_path: Pa
         marker.camera = first if x is None else addon.camera(f"Camera {frame}", at=(x, 0, 1.5), **look)
     scene.camera = first
     scene.frame_start, scene.frame_end = 1, 4
-    settings = scene.render.image_settings
-    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
-    scene.render.filepath = str(tmp_path / "frame_####")
-    assert bpy.ops.render.render(animation=True) == {"FINISHED"}
-    lit = []
-    for frame in range(1, 5):
-        channels = OpenEXR.File(str(tmp_path / f"frame_{frame:04}.exr")).channels()
-        pixels = np.asarray(next(iter(channels.values())).pixels)
-        lit.append(float((pixels[..., 0] > 0).mean()))
+    lit = lit_shares(scene, tmp_path)
     assert 0.4 < lit[0] < 0.6, "half of it lies in the shadow"
     assert lit[1] == 0, "all of it"
     assert lit[2] == 1 and lit[3] == 1, "none of it; a marker serves until the next"
