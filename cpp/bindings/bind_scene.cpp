@@ -10,10 +10,14 @@ namespace penumbra::bindings {
 
 namespace {
 
-std::shared_ptr<Mesh> make_mesh(std::string name, const Faithful<float>& positions,
-                                const Faithful<std::uint32_t>& triangles,
-                                const std::optional<Faithful<float>>& corner_normals,
-                                const std::optional<Faithful<std::uint16_t>>& triangle_material) {
+/// A mesh as Python holds it: every argument is an object of a bound class, so that one check serves them all.
+struct PyMesh {
+    std::shared_ptr<Mesh> mesh;
+};
+
+PyMesh make_mesh(std::string name, const Faithful<float>& positions, const Faithful<std::uint32_t>& triangles,
+                 const std::optional<Faithful<float>>& corner_normals,
+                 const std::optional<Faithful<std::uint16_t>>& triangle_material) {
     auto mesh = std::make_shared<Mesh>();
     mesh->name = std::move(name);
     mesh->positions_local = vectors_from<glm::vec3, float, 3>(positions, "positions");
@@ -30,14 +34,14 @@ std::shared_ptr<Mesh> make_mesh(std::string name, const Faithful<float>& positio
     }
     const py::gil_scoped_release release;
     validate(*mesh);
-    return mesh;
+    return {std::move(mesh)};
 }
 
-void add_instance(Scene& scene, std::string name, std::shared_ptr<Mesh> mesh, const Faithful<double>& world_from_local,
+void add_instance(Scene& scene, std::string name, const PyMesh& mesh, const Faithful<double>& world_from_local,
                   const Faithful<float>& albedo, bool casts, bool receives, bool visible) {
     Instance instance;
     instance.name = std::move(name);
-    instance.mesh = std::move(mesh);
+    instance.mesh = mesh.mesh;
     instance.world_from_local = matrix_from(world_from_local.values, "world_from_local");
     instance.albedo = vectors_from<glm::vec3, float, 3>(albedo, "albedo");
     instance.casts = casts;
@@ -167,15 +171,15 @@ void bind_camera(py::module_& m) {
 void bind_scene(py::module_& m) {
     bind_light(m);
     bind_camera(m);
-    py::class_<Mesh, std::shared_ptr<Mesh>>(m, "Mesh", "Triangles in their own space, shared by all their instances.")
+    py::class_<PyMesh>(m, "Mesh", "Triangles in their own space, shared by all their instances.")
         .def(
             py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("triangles"),
             py::arg("corner_normals") = py::none(), py::arg("triangle_material") = py::none(),
             "positions (n, 3) float32; triangles (m, 3) uint32; corner_normals (3 m, 3) float32 or None (flat);\n"
             "triangle_material (m,) uint16 or None. Raises InvalidScene for indices out of range, NaN or wrong shapes.")
-        .def_readonly("name", &Mesh::name)
-        .def_property_readonly("vertex_count", [](const Mesh& mesh) { return mesh.positions_local.size(); })
-        .def_property_readonly("triangle_count", [](const Mesh& mesh) { return mesh.triangles.size(); });
+        .def_property_readonly("name", [](const PyMesh& self) { return self.mesh->name; })
+        .def_property_readonly("vertex_count", [](const PyMesh& self) { return self.mesh->positions_local.size(); })
+        .def_property_readonly("triangle_count", [](const PyMesh& self) { return self.mesh->triangles.size(); });
     py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "What is rendered: instances, lights, one camera.")
         .def(py::init<>())
         .def("add_instance", &add_instance, py::arg("name"), py::arg("mesh").none(false), py::arg("world_from_local"),

@@ -121,6 +121,37 @@ def test_any_instance_is_one_or_is_refused(
     ask_all(core, renderer, scene)
 
 
+def test_an_object_that_was_never_initialised_is_refused_wherever_it_is_used(core: Any, renderer: Any) -> None:
+    scene = small_scene(core)
+    bound = [core.Camera, core.Light, core.Mesh, core.Renderer, core.Scene, core.View]
+    assert bound == [found for name, found in sorted(vars(core).items())
+                     if isinstance(found, type) and not issubclass(found, Exception)]  # fmt: skip
+    for kind in bound:
+        empty = kind.__new__(kind)
+        for name in dir(kind):
+            member = getattr(kind, name)
+            if name.startswith("_"):
+                continue
+            with pytest.raises(TypeError):  # some methods for want of their other arguments
+                member(empty) if callable(member) else getattr(empty, name)
+    empty = {kind: kind.__new__(kind) for kind in bound}
+    for use in (
+        empty[core.Scene].validate,
+        lambda: renderer.set_scene(empty[core.Scene]),
+        lambda: core.exact_visibility(empty[core.Scene], 0, np.zeros((1, 3)), np.ones((1, 3))),
+        lambda: scene.add_light(empty[core.Light]),
+        lambda: setattr(scene, "lights", [empty[core.Light]]),
+        lambda: setattr(scene, "camera", empty[core.Camera]),
+        lambda: scene.add_instance("m", empty[core.Mesh], np.eye(4), np.ones((1, 3))),
+        lambda: setattr(empty[core.Light], "kind", "sun"),
+        lambda: empty[core.Renderer].view(),
+    ):
+        with pytest.raises(TypeError, match="__init__ never filled; call its class"):
+            use()
+    empty[core.Scene].__init__()
+    empty[core.Scene].validate()
+
+
 LIGHT = ["name", "kind", "position_ws", "direction_ws", "half_u_ws", "half_v_ws", "corners_ws", "radius_m",
          "sun_angle_rad", "spot_angle_rad", "spot_blend", "spot_stretch", "power_w", "casts_shadow"]  # fmt: skip
 CAMERA = ["name", "world_from_camera", "orthographic", "tan_half_width", "half_width_m", "shift", "pixel_aspect",
