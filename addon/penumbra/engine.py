@@ -123,8 +123,8 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
         if made is not None:
             seconds = time.monotonic() - started
             self.update_stats("", _statistics(export, wanted, made, seconds))
-            for note in made.notes:
-                self.report({"WARNING"}, note)
+            for note in made.notes + made.warnings:
+                self._warn(note)
 
     def _escaped(self) -> bool:
         return bool(self.test_break())
@@ -134,6 +134,9 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
             raise picture.StoppedError
         self.update_progress(share)
         self.update_stats("", text)
+
+    def _warn(self, note: str) -> None:
+        self.report({"WARNING"}, note)
 
     def _fail(self, problem: str) -> None:
         # Ends an animation, and makes a background render fail instead of saving black.
@@ -183,6 +186,8 @@ def _statistics(export: bridge.SceneExport, wanted: picture.Wanted, made: pictur
         f"{made.samples} pixel sample{'s' if made.samples != 1 else ''}",
         f"{seconds:.2f} s",
     ]
+    if made.warnings:
+        parts.append(f"{len(made.warnings)} warning{'s' if len(made.warnings) != 1 else ''}")
     return " | ".join(parts)
 
 

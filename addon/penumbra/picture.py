@@ -48,6 +48,7 @@ class Picture:
 
     planes: dict[str, Image] = field(default_factory=dict)  # by pass name; (h, w, channels)
     notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)  # where a technique leaves its field of use
     samples: int = 0  # pixel samples that are in it; fewer than wanted if it was stopped
 
 
@@ -150,6 +151,11 @@ class Painter:
             progress=self._progress,
             reuse=True,
         )
+        if number == 0:
+            self._picture.warnings += [
+                f'"{light}" is outside the field of use of {technique}: {warning["reason"]}'
+                for warning in answer["warnings"]
+            ]
         return np.asarray(answer["visibility"])
 
     def _truth(self, index: int, number: int) -> Image:

@@ -28,6 +28,7 @@ class Frame:
     white: float  # radiance shown as white
     layers: dict[str, Image] = field(default_factory=dict)  # further EXR channels by full name
     notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)  # where the technique leaves its field of use
     statistics: dict[str, list[Statistic]] = field(default_factory=dict)  # by light, where the technique has any
 
     def write(self, path: Path) -> None:
@@ -77,6 +78,10 @@ def render(
         else:
             answer = renderer.visibility(index, technique, settings, keep_everything=keep_everything, progress=progress)
             visibility = np.asarray(answer["visibility"])
+            frame.warnings += [
+                f'"{name}" is outside the field of use of {technique}: {warning["reason"]}'
+                for warning in answer["warnings"]
+            ]
             if answer["statistics"]:
                 frame.statistics[name] = [Statistic(**statistic) for statistic in answer["statistics"]]
         unshadowed += arriving

@@ -471,7 +471,7 @@ def test_blender_ends_by_itself_while_a_comparison_runs() -> None:
 
 
 class Told:
-    """A layout that takes everything and writes down the words."""
+    """A layout that takes everything and writes down the words and the icons."""
 
     def __init__(self, words: list[str] | None = None) -> None:
         object.__setattr__(self, "words", [] if words is None else words)
@@ -489,8 +489,7 @@ class Told:
                 assert hasattr(getattr(bpy.ops, space), operator)
                 self.words.append(str(named.get("text", "")))
                 return SimpleNamespace()
-            if "text" in named:
-                self.words.append(str(named["text"]))
+            self.words.extend(str(named[what]) for what in ("text", "icon") if what in named)
             return Told(self.words)
 
         return call
@@ -525,6 +524,29 @@ def test_every_panel_draws_before_and_after_and_while_comparing(scene: Kit, thre
         assert set(sentence.split()) <= set(after.split())
     scene.scene.penumbra_comparison.key = "gone"
     assert "compare again" in drawn()
+
+
+def test_table_and_plan_say_where_a_technique_leaves_its_field_of_use(scene: Kit) -> None:
+    from penumbra.comparison import results
+    from penumbra.panel import comparison as panel
+
+    bpy.ops.penumbra.compare()
+    kept = scene.scene.penumbra_comparison
+    context = SimpleNamespace(
+        scene=scene.scene, region=SimpleNamespace(width=2000), preferences=bpy.context.preferences
+    )
+    warning = "the light is 1 m wide and one point stands for it: no penumbra is drawn"
+    for row, warnings in zip(kept.rows, ([warning], []), strict=True):
+        assert results.record_of(kept, row).warnings == warnings
+        assert row.outside == bool(warnings)
+        kept.active_row = list(kept.rows).index(row)
+        for draw in (panel.draw_results, panel.draw_plan):
+            words: list[str] = []
+            draw(Told(words), context)
+            assert (f"{row.name}, outside its field of use: {warning}." in words) == bool(warnings)
+        words = []
+        panel.PENUMBRA_UL_results.draw_item(None, context, Told(words), kept, row, 0, kept, "active_row")
+        assert ("ERROR" in words) == bool(warnings)
 
 
 def test_the_plot_shows_a_mark_in_each_techniques_colour_and_is_drawn_anew() -> None:

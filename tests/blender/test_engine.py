@@ -394,6 +394,28 @@ def test_progress_rises_to_the_end_and_the_last_line_says_what_was_done(
     assert seconds.endswith(" s")
 
 
+def test_where_the_technique_leaves_its_field_of_use_is_reported_and_counted(
+    addon: Kit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from penumbra import engine
+
+    edge_scene(addon)
+    bpy.data.lights["Light"].shadow_soft_size = 0.25
+    addon.scene.penumbra.pixel_samples = 2
+    said: list[str] = []
+    monkeypatch.setattr(engine.PENUMBRA_RE_engine, "_warn", lambda self, note: said.append(note))
+    lines: list[str] = []
+    line_of = engine._statistics
+    monkeypatch.setattr(engine, "_statistics", lambda *given: lines.append(line_of(*given)) or lines[-1])
+    assert bpy.ops.render.render() == {"FINISHED"}
+    (text,) = said
+    assert text.startswith('"Light" is outside the field of use of shadow_map: the light is 0.5 m wide and one point')
+    addon.scene.penumbra.technique = "light_samples"
+    assert bpy.ops.render.render() == {"FINISHED"}
+    assert len(said) == 1, "averaged maps are made for such a light"
+    assert [line.endswith("| 1 warning") for line in lines] == [True, False]
+
+
 def test_an_animation_changes_the_camera_at_each_marker(addon: Kit, tmp_path: Path) -> None:
     edge_scene(addon)
     scene = addon.scene

@@ -12,6 +12,7 @@ from blender_kit import Kit
 from penumbra import bridge
 from penumbra.read import view_region
 from penumbra.sync import SceneSync
+from penumbra.viewport import overlay
 from penumbra.viewport.engine_view import EngineView
 
 
@@ -149,7 +150,7 @@ def test_what_only_redraws_a_viewport_is_noticed_when_it_draws(
 
 
 def test_a_viewport_that_hides_something_is_told_from_one_that_shows_all(kit: Kit, space: Any) -> None:
-    """The overlay, which has one scene for all viewports, says so where one hides something."""
+    """The overlay keeps a scene of its own for one that does."""
     assert not view_region.hides_something(None)
     assert not view_region.hides_something(space)
     space.show_object_viewport_light = False
@@ -160,3 +161,49 @@ def test_a_viewport_that_hides_something_is_told_from_one_that_shows_all(kit: Ki
     enter_local_view()
     space.use_local_collections = True
     assert view_region.hides_something(space)
+
+
+@pytest.fixture
+def overlaid(kit: Kit, space: Any) -> Iterator[Any]:
+    """What the overlay's drawing handler sees of Blender; there is nothing to draw on in the background."""
+    bpy.app.handlers.depsgraph_update_post.append(overlay._changed)
+    yield SimpleNamespace(space_data=space, view_layer=bpy.context.view_layer)
+    overlay.switch_off()
+    assert not overlay._state.scenes
+
+
+def overlay_sees(context: Any) -> tuple[list[str], list[str]]:
+    scene = overlay._scene_of(context)
+    assert not scene.problem
+    export = scene.sync.export
+    assert export is not None
+    return sorted(export.instance_names), sorted(export.lights)
+
+
+def test_the_overlay_shows_what_its_viewport_shows(space: Any, overlaid: Any) -> None:
+    everything = (["Floor", "Left", "Right"], ["Lamp"])
+    assert overlay_sees(overlaid) == everything
+    enter_local_view("Floor", "Left", "Lamp")
+    assert overlay_sees(overlaid) == (["Floor", "Left"], ["Lamp"])
+    enter_local_view()
+    assert overlay_sees(overlaid) == everything
+    space.show_object_viewport_mesh = False
+    assert overlay_sees(overlaid) == ([], ["Lamp"])
+    space.show_object_viewport_mesh = True
+    assert overlay_sees(overlaid) == everything
+    assert len(overlay._state.scenes) == 1, "what a viewport hid before is not kept"
+
+
+def test_the_overlay_follows_changes_in_a_local_view(space: Any, overlaid: Any) -> None:
+    enter_local_view("Floor", "Left", "Lamp")
+    before = overlay._scene_of(overlaid)
+    revision, digest = before.revision, before.sync.export.scene.digest()
+    bpy.data.objects["Left"].location = (-2, 0, 1)
+    bpy.context.view_layer.update()
+    scene = overlay._scene_of(overlaid)
+    assert scene is before and scene.revision > revision
+    assert scene.sync.export.scene.digest() != digest
+    assert overlay_sees(overlaid) == (["Floor", "Left"], ["Lamp"])
+    bpy.data.objects["Right"].local_view_set(space, True)
+    bpy.context.view_layer.update()
+    assert overlay_sees(overlaid) == (["Floor", "Left", "Right"], ["Lamp"])

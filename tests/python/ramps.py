@@ -200,6 +200,8 @@ def ramp_scene(width: int = 640, height: int = 360, lights: int = 2, seed: int =
                 Step("face +x", "left_out", "no visible receiver lies in it", "cube_faces", 0.0),
                 Step("penumbra filter", "left_out", "the penumbra is 0.3 texels wide at most", "narrow", 0.004),
             ]
+            if technique == "shadow_map":
+                record.warnings = ["the light is 1 m wide and <one> point stands for it"]
             record.visibility = None if sweep else image
             light.records.append(record)
         light.records.append(

@@ -192,6 +192,9 @@ def test_render_writes_a_png_and_a_multilayer_exr(penumbra: Run, wall_blend: Pat
     for name in ("picture.png", "picture.exr"):
         result = penumbra("render", wall_blend, "--technique", "shadow_map", "--out", tmp_path / name)
         assert result.returncode == 0, result.stderr
+        # Where the technique leaves its field of use stands on the terminal.
+        (warned,) = [line for line in result.stderr.splitlines() if '"Key" is outside' in line]
+        assert warned.startswith('penumbra: "Key" is outside the field of use of shadow_map: the light is ')
     import PIL.Image
 
     with PIL.Image.open(tmp_path / "picture.png") as shown:

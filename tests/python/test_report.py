@@ -75,6 +75,20 @@ def test_what_a_technique_counted_stands_in_the_report(made: tuple[Path, dict[st
     assert "Tagged pixels: <b>5.12 % of the mask</b>" in page
 
 
+def test_where_a_technique_leaves_its_field_of_use_stands_under_its_plan_and_nowhere_else(
+    made: tuple[Path, dict[str, Any]],
+) -> None:
+    lights = [light for scene in report_of(made[0])["scenes"] for light in scene["lights"]]
+    page = (made[0] / "report.html").read_text(encoding="utf-8")
+    sentence = "Outside its field of use: the light is 1 m wide and &lt;one&gt; point stands for it."
+    assert page.count("Outside its field of use") == page.count(sentence) == len(lights)
+    plans = [plan.split("</details>")[0] for plan in page.split("<details>")[1:]]
+    assert all((sentence in plan) == ("<b>Hard shadow map</b>" in plan) for plan in plans)
+    for light in lights:
+        warned = [record["technique"] for record in light["records"] if record.get("warnings")]
+        assert warned == ["shadow_map"]
+
+
 def test_scenes_of_one_name_do_not_overwrite_each_other(made: tuple[Path, dict[str, Any]]) -> None:
     scenes = report_of(made[0])["scenes"]
     paths = [scene["lights"][0]["reference"]["images"]["area"] for scene in scenes]

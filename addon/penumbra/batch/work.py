@@ -133,7 +133,7 @@ class Workbench:
         )
         path = place / f"picture.{item.format}"
         frame.write(path)
-        return path, [], [*export.notes, *frame.notes]
+        return path, [], [*export.notes, *frame.notes, *frame.warnings]
 
 
 def _recorded(item: Item) -> dict[str, Any]:

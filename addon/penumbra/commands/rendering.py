@@ -47,7 +47,7 @@ def _render(arguments: argparse.Namespace) -> int:
         )
         frame.write(arguments.out)
         progress.finish()
-    for note in frame.notes:
+    for note in frame.notes + frame.warnings:
         say(note)
     for light, statistics in frame.statistics.items():
         print(f"{light}: {', '.join(f'{statistic.label} {statistic.text()}' for statistic in statistics)}")

@@ -25,6 +25,7 @@ NAME = "penumbra_comparison"  # bpy.types.Scene's property
     reason=bpy.props.StringProperty(name="Reason"),
     error=bpy.props.FloatProperty(name="Error", description="Penumbra RMSE against the share of the light's area"),
     time_ms=bpy.props.FloatProperty(name="Time", description="Median of a dynamic frame in milliseconds"),
+    outside=bpy.props.BoolProperty(name="Outside its Field of Use"),
     on_front=bpy.props.BoolProperty(name="On the Pareto Front"),
     is_sweep_step=bpy.props.BoolProperty(name="Step of a Sweep"),
     colour=bpy.props.IntProperty(name="Number of the technique's colour"),

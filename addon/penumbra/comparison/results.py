@@ -37,6 +37,7 @@ def store(scene: Any, running: Running) -> None:
             row.settings = json.dumps(record.settings, sort_keys=True)
             row.status, row.reason = record.status, record.reason
             row.error, row.time_ms = _figure(record.headline), _figure(_time(record))
+            row.outside = bool(record.warnings)
             row.on_front, row.is_sweep_step = record.on_pareto_front, record.is_sweep_step
             row.colour = numbers[record.technique]
             row.thumbnail = thumbnails[1 + number].decode()

@@ -38,6 +38,8 @@ class PENUMBRA_UL_results(bpy.types.UIList):  # noqa: N801
         error.alignment = time.alignment = "RIGHT"
         error.label(text=table.error_text(item.error))
         time.label(text=_milliseconds(item.time_ms))
+        if item.outside:
+            name.label(text="", icon="ERROR")
         if item.on_front:
             name.label(text="", icon="SOLO_ON")
 
@@ -135,6 +137,7 @@ def draw_results(layout: Any, context: Any) -> None:
     active = results.active(kept)
     if active is not None and active.status != "ok":
         _text(layout.box(), f"{active.name}: {active.reason}", context, icon="INFO")
+    _warnings(layout, results.record_of(kept, active) if active is not None else None, context)
     if not pictures.exist(kept.key):
         _text(layout, show.MISSING, context, icon="INFO")
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
@@ -240,7 +243,7 @@ def figures_of(record: Record) -> list[tuple[str, str]]:
 
 
 def draw_plan(layout: Any, context: Any) -> None:
-    """Steps that ran, and steps that were left out, with why."""
+    """Steps that ran, steps that were left out, with why, and where the technique leaves its field of use."""
     kept = context.scene.penumbra_comparison
     row = results.active(kept)
     record = results.record_of(kept, row) if row is not None else None
@@ -255,6 +258,7 @@ def draw_plan(layout: Any, context: Any) -> None:
         side.label(text=verdict.milliseconds(step.time_ms) if step.state == "run" else "left out")
         if step.state == "left_out":
             _text(layout, step.reason, context, indent=True)
+    _warnings(layout, record, context)
 
 
 def draw_notes(layout: Any, context: Any) -> None:
@@ -264,6 +268,14 @@ def draw_notes(layout: Any, context: Any) -> None:
         layout.label(text="The whole scene was taken as it is")
     for note in notes:
         _text(layout, note, context, icon="INFO")
+
+
+def _warnings(layout: Any, record: Record | None, context: Any) -> None:
+    """Where the technique leaves its field of use, which its plan says."""
+    if record is None:
+        return
+    for warning in record.warnings:
+        _text(layout.box(), f"{record.title}, outside its field of use: {warning}.", context, icon="ERROR")
 
 
 def _split(layout: Any) -> None:

@@ -6,7 +6,9 @@ While it is off there is no handler, no thread and no renderer.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -49,16 +51,37 @@ class _Region:
         self.right.free()
 
 
+class _Scene:
+    """The scene as viewports show it: as its view layer has it, or as one viewport has it that hides something."""
+
+    def __init__(self) -> None:
+        self.sync = SceneSync()
+        self.choice: tuple[Any, ...] | None = None  # of objects, in that one viewport; None before the first read
+        self.problem = ""
+        self.revision = 0  # no two reads have the same
+
+    def read(self, depsgraph: Any, space: Any | None) -> None:
+        """@param space the one viewport whose choice counts"""
+        self.choice = view_region.own_choice(space)
+        self.revision = next(_state.revisions)
+        try:
+            self.sync.update(depsgraph, space)
+            self.problem = ""
+        except Exception as error:
+            self.problem = errors.sentence_of(error)
+
+
+_Key = tuple[int, int]  # pointers: of the view layer, and of the viewport if it hides something
+
+
 class _State:
     """Of the one overlay of this Blender."""
 
     def __init__(self) -> None:
         self.handle: Any = None
         self.regions: dict[int, _Region] = {}
-        self.sync = SceneSync()
-        self.readable = False
-        self.problem = ""
-        self.revision = 0
+        self.scenes: dict[_Key, _Scene] = {}
+        self.revisions = itertools.count(1)
         self.chosen = ""
 
     @property
@@ -131,12 +154,10 @@ def rests() -> bool:
 
 
 def switch_on(context: Any) -> None:
-    """@raises what reading the scene raises, with the overlay off"""
+    """The viewports' scenes are read when they are drawn."""
     if _state.on:
         return
     preferences.apply()
-    _state.sync = SceneSync()
-    _read(context.evaluated_depsgraph_get())
     _state.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
     for handlers, function in _handlers():
         handlers.append(function)
@@ -154,8 +175,7 @@ def switch_off() -> None:
     for region in _state.regions.values():
         region.close()
     _state.regions.clear()
-    _state.sync = SceneSync()
-    _state.readable, _state.problem = False, ""
+    _state.scenes.clear()
     _redraw_all()
 
 
@@ -165,27 +185,57 @@ def _handlers() -> list[tuple[Any, Any]]:
             (app.redo_post, _undone)]  # fmt: skip
 
 
-def _redraw_all() -> None:
+def _viewports() -> Iterator[tuple[Any, Any]]:
+    """Each 3D viewport that is open, with its window."""
     manager = bpy.context.window_manager
     for window in manager.windows if manager is not None else ():
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
-                area.tag_redraw()
+                yield window, area
 
 
-def _read(depsgraph: Any) -> None:
-    _state.revision += 1
-    try:
-        _state.sync.update(depsgraph)
-        _state.readable, _state.problem = True, ""
-    except Exception as error:
-        _state.readable, _state.problem = False, errors.sentence_of(error)
+def _redraw_all() -> None:
+    for _, area in _viewports():
+        area.tag_redraw()
+
+
+def _key(view_layer: Any, space: Any) -> _Key:
+    return view_layer.as_pointer(), space.as_pointer() if view_region.hides_something(space) else 0
 
 
 @persistent  # type: ignore[untyped-decorator]
 def _changed(_scene: Any, depsgraph: Any = None) -> None:
-    if depsgraph is not None and depsgraph.mode == "VIEWPORT":
-        _read(depsgraph)
+    """What is shown follows; what no viewport shows any more goes."""
+    if depsgraph is None or depsgraph.mode != "VIEWPORT":
+        return
+    shown: dict[_Key, Any] = {}
+    regions: set[int] = set()
+    for window, area in _viewports():
+        space = area.spaces.active
+        key = _key(window.view_layer, space)
+        shown[key] = space if key[1] else None
+        regions |= {region.as_pointer() for region in area.regions}
+    for number in _state.regions.keys() - regions:
+        _state.regions.pop(number).close()
+    layer = depsgraph.view_layer.as_pointer()
+    for key in list(_state.scenes):
+        if key not in shown:
+            del _state.scenes[key]
+        elif key[0] == layer:
+            _state.scenes[key].read(depsgraph, shown[key])
+
+
+def _scene_of(context: Any) -> _Scene:
+    """As the viewport that is drawn shows it: Blender only draws anew when a viewport hides something else."""
+    space = context.space_data
+    key = layer, own = _key(context.view_layer, space)
+    if not own:
+        _state.scenes.pop((layer, space.as_pointer()), None)  # of a local view that was left
+    scene = _state.scenes.setdefault(key, _Scene())
+    one = space if own else None
+    if scene.choice != view_region.own_choice(one):
+        scene.read(context.view_layer.depsgraph, one)
+    return scene
 
 
 @persistent  # type: ignore[untyped-decorator]
@@ -196,8 +246,7 @@ def _loading(*_: Any) -> None:
 @persistent  # type: ignore[untyped-decorator]
 def _undone(*_: Any) -> None:
     """Undo exchanges Blender's data: what is kept of it is worth nothing."""
-    _state.sync = SceneSync()
-    _state.readable = False
+    _state.scenes.clear()
 
 
 # ----------------------------------------------------------------------------------------------------------- drawing
@@ -240,11 +289,10 @@ def _draw_region(context: Any) -> None:
     kept = _state.regions.get(key)
     if kept is None:
         kept = _state.regions[key] = _Region(Worker())
-    if not _state.readable and not _state.problem:
-        _read(context.view_layer.depsgraph)
-    if _state.readable:
-        _ask(context, kept, seen)
-    shown, problem = kept.worker.shown, kept.worker.problem or _state.problem
+    scene = _scene_of(context)
+    if not scene.problem:
+        _ask(context, kept, seen, scene)
+    shown, problem = kept.worker.shown, kept.worker.problem or scene.problem
     if shown is not None:
         _draw_sides(context, kept, shown, seen.box)
     elif not problem:
@@ -270,15 +318,14 @@ def _wanted(context: Any) -> Wanted:
     )
 
 
-def _ask(context: Any, kept: _Region, seen: view_region.SeenPart) -> None:
+def _ask(context: Any, kept: _Region, seen: view_region.SeenPart, scene: _Scene) -> None:
     wanted = _wanted(context)
-    key = (_state.revision, seen.key, repr(wanted))
+    key = (scene.revision, seen.key, repr(wanted))
     if key == kept.asked:
         return
-    export = _state.sync.export
-    if export is None:
-        return
-    points = _state.sync.box_points
+    export = scene.sync.export
+    assert export is not None
+    points = scene.sync.box_points
     titles = {info["id"]: info["title"] for info in catalogue.techniques()}
     kept.asked = key
     kept.worker.ask(
@@ -319,8 +366,6 @@ def _draw_sides(context: Any, kept: _Region, shown: Compared, box: tuple[int, in
     if shown.reference is None and {chosen.left, chosen.right} & {ERROR, ERROR_OTHER, REFERENCE}:
         lines.append("The truth is being traced ...")
     lines += shown.notes
-    if view_region.hides_something(context.space_data):
-        lines.append("What this viewport alone hides is in these pictures")
     draw_text(lines, left + 20.0, 40.0 + 1.4 * 13.0 * len(lines))
 
 

@@ -73,7 +73,7 @@ class Pictures:
                 first = first or seconds
                 self._number += 1
                 pixels = displayable(made.planes[passes.COMBINED])
-                notes = list(dict.fromkeys(made.notes))
+                notes = list(dict.fromkeys(made.notes + made.warnings))
                 desk.show(Shown(self._number, key, pixels, size, made.samples, seconds, notes))
             return first
 

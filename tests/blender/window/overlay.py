@@ -29,6 +29,7 @@ from in_window import (
 )
 
 ZIP, BLEND = sys.argv[-2:]
+ISOLATED = ("Ground", "Plinth", "Suzanne", "Key")
 PENUMBRA = (0.356, 0.449)  # a place of the viewport amid the shadow of a flower pot's tree
 
 
@@ -104,6 +105,76 @@ def traced(answer: dict[str, Any]) -> None:
     answer["figures"] = kept.worker.shown.at(kept.cursor[0] / width, kept.cursor[1] / height)
 
 
+def split(answer: dict[str, Any]) -> None:
+    """Two viewports side by side, both with the whole scene."""
+    chosen = bpy.context.window_manager.penumbra_overlay
+    chosen.left, chosen.right, chosen.wipe = "A", "B", 0.5
+    viewport_of()[1].show_region_ui = False
+    operate(bpy.ops.screen.area_split, direction="VERTICAL", factor=0.5)
+
+
+def viewports() -> list[Any]:
+    return [area for area in window().screen.areas if area.type == "VIEW_3D"]
+
+
+def show_viewports(answer: dict[str, Any], name: str) -> None:
+    take_picture(f"{name}.png")
+    answer[name] = [box_of(region_of(area)) for area in viewports()]
+    scenes = module("viewport.overlay")._state.scenes.values()
+    answer[f"{name} objects"] = sorted(sorted(scene.sync.export.instance_names) for scene in scenes)
+
+
+def both(answer: dict[str, Any]) -> None:
+    show_viewports(answer, "both")
+
+
+def isolate(answer: dict[str, Any]) -> None:
+    """The first viewport alone shows a few objects alone."""
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj.name in ISOLATED)
+    operate(bpy.ops.view3d.localview, frame_selected=False)
+    bpy.ops.object.select_all(action="DESELECT")
+
+
+def isolated(answer: dict[str, Any]) -> None:
+    show_viewports(answer, "isolated")
+
+
+def move_in_local_view(answer: dict[str, Any]) -> None:
+    bpy.data.objects["Suzanne"].location.x += 1.5
+
+
+def moved(answer: dict[str, Any]) -> None:
+    show_viewports(answer, "moved")
+
+
+def leave(answer: dict[str, Any]) -> None:
+    bpy.data.objects["Suzanne"].location.x -= 1.5
+    operate(bpy.ops.view3d.localview, frame_selected=False)
+
+
+def hide_a_type(answer: dict[str, Any]) -> None:
+    show_viewports(answer, "left")
+    viewport_of()[1].show_object_viewport_mesh = False
+
+
+def hidden(answer: dict[str, Any]) -> None:
+    show_viewports(answer, "hidden")
+    viewport_of()[1].show_object_viewport_mesh = True
+
+
+def join(answer: dict[str, Any]) -> None:
+    """The second viewport goes, and what the overlay keeps of it with the next change."""
+    operate_in = viewports()[1]
+    with bpy.context.temp_override(window=window(), area=operate_in, region=region_of(operate_in)):
+        bpy.ops.screen.area_close()
+    bpy.data.objects["Suzanne"].update_tag()
+
+
+def joined(answer: dict[str, Any]) -> None:
+    answer["regions after closing"] = len(module("viewport.overlay")._state.regions)
+
+
 def off(answer: dict[str, Any]) -> None:
     operate(bpy.ops.penumbra.overlay)
 
@@ -134,5 +205,7 @@ def disable_while_on(answer: dict[str, Any]) -> None:
 ready = overlay_ready
 play(
     install_from(ZIP), open_file, prepare, plain, switch, ready, on, drag, dragged, point, error, open_sidebar, ready,
-    traced, off, threads_gone, gone, load_while_on, after_load, disable_while_on, threads_gone,
+    traced, split, ready, both, isolate, ready, isolated, move_in_local_view, ready, moved, leave, ready, hide_a_type,
+    ready, hidden, ready, join, ready, joined, off, threads_gone, gone, load_while_on, after_load, disable_while_on,
+    threads_gone,
 )  # fmt: skip

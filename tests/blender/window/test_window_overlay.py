@@ -90,6 +90,54 @@ def test_the_figures_under_the_cursor_are_those_of_the_pixel(answer: dict[str, A
     assert figures["A - truth"] == pytest.approx(figures["A"] - figures["truth"])
 
 
+def viewports(answer: dict[str, Any], picture: str) -> list[np.ndarray]:
+    """The two viewports side by side, cut to one size, without headings and the gizmos above."""
+    boxes = answer[picture]
+    width, height = (min(box[edge] for box in boxes) for edge in (2, 3))
+    pixels = np.asarray(Image.open(answer["folder"] / f"{picture}.png").convert("RGB"), float)
+    return [pixels[top + 160 : top + height - 20, left : left + width] for left, top, _, _ in boxes]
+
+
+def green(pixels: np.ndarray) -> float:
+    """Share of the pixels that show the trees."""
+    return float(((pixels[..., 1] > 1.15 * pixels[..., 0]) & (pixels[..., 1] > 1.15 * pixels[..., 2])).mean())
+
+
+def test_a_viewport_in_local_view_shows_its_own_scene_and_the_others_show_all(answer: dict[str, Any]) -> None:
+    one, other = viewports(answer, "both")
+    assert green(one) > 0.002
+    assert green(other) == pytest.approx(green(one), rel=0.1), "both show the whole scene"
+    alone, beside = viewports(answer, "isolated")
+    assert green(alone) == 0, "the trees are not in the local view"
+    assert np.abs(alone - one).mean() > 4
+    assert np.abs(beside - other).mean() < 0.5
+    assert [len(names) for names in answer["both objects"]] == [27]
+    few, all_of_them = sorted(answer["isolated objects"], key=len)
+    assert few == ["Ground", "Plinth", "Suzanne"] and len(all_of_them) == 27
+
+
+def test_what_moves_in_a_local_view_moves_in_all_viewports(answer: dict[str, Any]) -> None:
+    for before, after in zip(viewports(answer, "isolated"), viewports(answer, "moved"), strict=True):
+        assert np.abs(after - before).mean() > 1
+    assert answer["moved objects"] == answer["isolated objects"]
+
+
+def test_leaving_the_local_view_shows_all_again(answer: dict[str, Any]) -> None:
+    for before, after in zip(viewports(answer, "both"), viewports(answer, "left"), strict=True):
+        assert np.abs(after - before).mean() < 0.5
+    assert answer["left objects"] == answer["both objects"]
+
+
+def test_a_type_of_objects_that_a_viewport_hides_is_not_in_its_overlay(answer: dict[str, Any]) -> None:
+    one, other = viewports(answer, "hidden")
+    assert one.std() < 0.5 * other.std(), "an empty viewport beside a full one"
+    assert [] in answer["hidden objects"]
+
+
+def test_a_viewport_that_is_closed_costs_nothing_more(answer: dict[str, Any]) -> None:
+    assert answer["regions after closing"] == 1
+
+
 def test_switching_off_loading_and_disabling_leave_nothing(answer: dict[str, Any]) -> None:
     # That no thread stays the script waited for.
     assert not any("overlay" in module for module in answer["handlers"])
