@@ -14,6 +14,7 @@ struct PlaneDraws {
     uint hidden;           // records of those that are not listed at all
     uint tiles;            // pieces of records listed tile by tile
     PlateauDraw draws[6];  // of whole records, then of pieces
+    PlateauDraw wide;      // of records that are to be cut to pieces, one vertex each
 };
 
 #endif

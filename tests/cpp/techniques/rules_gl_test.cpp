@@ -144,7 +144,13 @@ const std::map<std::string, Proof>& proofs() {
               [] {
                   return with_box({0.62, 0.0, 3.6}, 0.05F);
               },
-          .silent = plain}},
+          .silent = plain,
+          .other = {{"plateaus",  // for a ground's own plane the ground is beside
+                     {.fires =
+                          [] {
+                              return with_box({0.62, 0.0, 3.6}, 0.05F);
+                          },
+                      .silent = floating_ground}}}}},
         {"cube-face-without-receivers",
          {.fires = many_sides,
           .silent = plain,

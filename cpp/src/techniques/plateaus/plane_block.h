@@ -10,7 +10,7 @@ namespace penumbra {
 namespace gpu {
 #include "shared/plateau_block.h"
 #include "shared/plateau_draws.h"
-static_assert(sizeof(PlaneDraws) == 112);
+static_assert(sizeof(PlaneDraws) == 128);
 static_assert(sizeof(PlateauPlane) == sizeof(vec4) * (12 + PENUMBRA_MAX_PLATEAU_CORNERS));
 static_assert(sizeof(PlateauBlock) == 32 + PENUMBRA_MAX_PLANES * sizeof(PlateauPlane));
 }  // namespace gpu

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "geometry/cone_base.h"
+#include "geometry/light_region.h"
 #include "passes/debug_picture.h"
 #include "passes/frame.h"
 #include "scene/setting_forms.h"
@@ -21,6 +23,7 @@ constexpr int kBorder_px = 2;
 constexpr std::size_t kMostPieces = std::size_t{1}
                                     << 19U;  ///< of slopes cut to tiles, on one plane; the rest stays whole
 constexpr int kLevels = 5;  ///< of the pyramid of covered cells: every second one is used, 4, 16 and 64 texels wide
+enum class SiftPass { All, Bound, Cut };                      ///< PASS of sift.vert
 constexpr double kNothingDarkest = 4095.0 * 4096.0 + 4095.0;  ///< lit, from the height 0 (slopes.frag)
 
 const std::vector<std::string> kFalloffs{"linear", "sine", "smoothstep", "disc", "disc_full"};
@@ -155,6 +158,37 @@ glm::dvec2 reach_of_casters(const LightSummary& summary, const PlanarReceiver& p
         reach.y = std::max(reach.y, glm::length(box.centre() - origin_ws) + box.radius());
     }
     return reach;
+}
+
+/// A rectangle around the shadow that a caster's box throws on a plane, plane coordinates; empty: it throws none.
+struct Shadow {
+    glm::dvec2 low_m{std::numeric_limits<double>::infinity()};
+    glm::dvec2 high_m{-std::numeric_limits<double>::infinity()};
+    [[nodiscard]] bool meets(const glm::dvec2& from_m, const glm::dvec2& to_m) const noexcept {
+        return glm::all(glm::lessThanEqual(low_m, to_m)) && glm::all(glm::greaterThanEqual(high_m, from_m));
+    }
+};
+
+/// @param heights  least and largest height that casts, metres; below the light's
+Shadow shadow_of(const Bounds& box, const PlanarReceiver& plane, const plateau::PlaneLight& light,
+                 const glm::dvec2& heights) {
+    const glm::dvec3 offset = box.centre() - plane.origin_ws;
+    const glm::dvec3 middle{glm::dot(offset, plane.axis_x), glm::dot(offset, plane.axis_y), plane.height(box.centre())};
+    const glm::dvec3 half{glm::dot(box.half_size(), glm::abs(plane.axis_x)),
+                          glm::dot(box.half_size(), glm::abs(plane.axis_y)),
+                          glm::dot(box.half_size(), glm::abs(plane.normal))};
+    const double lowest = std::max(middle.z - half.z, heights.x);
+    const double highest = std::min(middle.z + half.z, heights.y);
+    Shadow shadow;
+    for (unsigned i = 0; i < 8 && lowest <= highest; ++i) {
+        const glm::dvec2 at =
+            plateau::project({middle.x + ((i & 1U) != 0 ? half.x : -half.x),
+                              middle.y + ((i & 2U) != 0 ? half.y : -half.y), (i & 4U) != 0 ? highest : lowest},
+                             light);
+        shadow.low_m = glm::min(shadow.low_m, at);
+        shadow.high_m = glm::max(shadow.high_m, at);
+    }
+    return shadow;
 }
 
 }  // namespace
@@ -333,8 +367,7 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
         const double sigma =
             block.heights.z > 0.0F ? block.heights.z * largest : plateau::image_scale(largest, lights[p]);
         const double cosine = lights[p].z / glm::length(glm::dvec3{lights[p]});
-        const double reach_m =
-            shape_.match * std::max({disc_radius(light), glm::length(light.half_u_ws), glm::length(light.half_v_ws)});
+        const double reach_m = shape_.match * std::max(disc_radius(light), light_region(light).radius());
         widest = std::max(widest, sigma * reach_m / cosine / texel);
         if (const double radius = disc_radius(light); radius > 0.0) {
             block.normal.w = static_cast<float>(shape_.least_radius_texels * texel / radius);
@@ -352,6 +385,25 @@ Plateaus::Layout Plateaus::lay_out(const LightSummary& summary) const {
                   (shape_.k <= 0.0 && shape_.least_radius_texels <= 0.0 && widest < 0.5 && !layout.blocks.empty());
     layout.map = layout.hard || receivers.pixels_on_none > 0 || summary.keeps("every-receiver-on-a-plane");
     return layout;
+}
+
+std::vector<std::uint32_t> Plateaus::casters_onto(const LightSummary& summary, const Layout& layout,
+                                                  std::size_t plane) {
+    const gpu::PlateauPlane& block = layout.blocks[plane];
+    const PlanarReceiver& receiver = layout.receivers.planes[plane];
+    const plateau::PlaneLight light = light_on(receiver, *summary.light);
+    const glm::dvec2 heights{0.5 * static_cast<double>(block.heights.x), block.heights.y};
+    const double texel = block.window.z;  // one more all around: roundings
+    const glm::dvec2 low = glm::dvec2{block.window} - texel;
+    const glm::dvec2 high = low + texel * (glm::dvec2{block.size} + 2.0);
+    std::vector<std::uint32_t> casters;
+    for (std::size_t c = 0; c < summary.casters.size(); ++c) {
+        if (summary.keeps("caster-outside-face") ||
+            shadow_of(summary.caster_bounds_ws[c], receiver, light, heights).meets(low, high)) {
+            casters.push_back(summary.casters[c]);
+        }
+    }
+    return casters;
 }
 
 std::string Plateaus::step_of(const Layout& layout, std::size_t plane) {
@@ -395,6 +447,16 @@ Plan Plateaus::plan(const LightSummary& summary) const {
         plan.leave_out("silhouettes", rule, reason);
         plan.leave_out("plateaus", rule, reason);
     } else if (!layout.blocks.empty()) {
+        const std::size_t draws = summary.casters.size() * layout.blocks.size();
+        std::size_t drawn = 0;
+        for (std::size_t p = 0; p < layout.blocks.size(); ++p) {
+            drawn += casters_onto(summary, layout, p).size();
+        }
+        if (drawn < draws) {
+            plan.leave_out("casters beside the planes", "caster-outside-face",
+                           std::to_string(draws - drawn) + " of " + std::to_string(draws) +
+                               " draws of a caster onto a plane would touch no texel of its texture");
+        }
         plan.run("silhouettes");
         for (std::size_t p = 0; p < layout.blocks.size(); ++p) {
             plan.run(step_of(layout, p));
@@ -473,9 +535,10 @@ void Plateaus::prepare(Frame& frame) {
     sifts_ = sifts(frame.summary(), layout_);
     cuts_to_tiles_ = cuts_to_tiles(frame.summary(), layout_);
     const bool skips = skips_unseen(frame.summary(), layout_);
-    wanted_ = skips ? TextureImage::make_array(GL_R8, width, height, layers, "texels looked up") : TextureImage{};
+    wanted_ = skips ? TextureImage::make_array(GL_DEPTH_COMPONENT16, width, height, layers, "texels looked up")
+                    : TextureImage{};
     if (skips) {
-        wanted_.upload(std::span<const std::uint8_t>{texels_looked_up(view)});
+        wanted_.upload(std::span<const std::uint16_t>{texels_looked_up(view)});
     }
     skip_depth_ = skips || skips_umbra()
                       ? TextureImage::make_2d(GL_DEPTH_COMPONENT16, width, height, "texels without slopes")
@@ -524,9 +587,9 @@ void Plateaus::bind_block() {
     block_.bind_uniform(2);
 }
 
-std::vector<std::uint8_t> Plateaus::texels_looked_up(const View& view) const {
+std::vector<std::uint16_t> Plateaus::texels_looked_up(const View& view) const {
     const std::size_t layer = static_cast<std::size_t>(layout_.width_px) * layout_.height_px;
-    std::vector<std::uint8_t> wanted(layer * layout_.blocks.size(), 0);
+    std::vector<std::uint16_t> wanted(layer * layout_.blocks.size(), 0);
     constexpr double kRounding = 0.05;  // of the shader's texel coordinates, and more
     for (std::size_t i = 0; i < view.size(); ++i) {
         const std::size_t p = layout_.receivers.plane_of_pixel[i];
@@ -542,8 +605,8 @@ std::vector<std::uint8_t> Plateaus::texels_looked_up(const View& view) const {
         const glm::ivec2 low = glm::clamp(glm::ivec2{glm::floor(texel - kRounding)}, glm::ivec2{0}, last);
         const glm::ivec2 high = glm::clamp(glm::ivec2{glm::floor(texel + kRounding)} + 1, glm::ivec2{0}, last);
         for (int y = low.y; y <= high.y; ++y) {
-            std::uint8_t* row = wanted.data() + p * layer + static_cast<std::size_t>(y) * layout_.width_px;
-            std::fill(row + low.x, row + high.x + 1, std::uint8_t{255});
+            std::uint16_t* row = wanted.data() + p * layer + static_cast<std::size_t>(y) * layout_.width_px;
+            std::fill(row + low.x, row + high.x + 1, std::uint16_t{0xffff});
         }
     }
     return wanted;
@@ -564,24 +627,17 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane, bool whole) {
         glEnable(GL_DEPTH_TEST);
         glDepthMask(GL_TRUE);
         glDepthFunc(store_ == Store::Depth ? GL_LESS : GL_ALWAYS);
-        target.clear_depth(1.0F);
+        if (wanted_ && !whole) {  // depth 0 already where no pixel looks, so that no slope is computed there
+            glCopyImageSubData(wanted_.name(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(plane),
+                               skip_depth_.name(), GL_TEXTURE_2D, 0, 0, 0, 0, size.x, size.y, 1);
+        } else {
+            target.clear_depth(1.0F);
+        }
     }
     if (store_ != Store::Depth) {
         target.clear_colour(0, glm::vec4{1.0F});
         if (both_sides_) {
             target.clear_colour(1, glm::vec4{1.0F});
-        }
-        if (wanted_ && !whole) {
-            const Program& skip =
-                frame.device().programs.get({"lib/fullscreen.vert", "techniques/plateaus/unwanted.frag"});
-            skip.set("plane_index", static_cast<int>(plane));
-            skip.use();
-            wanted_.bind(6);
-            glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-            glBindVertexArray(no_attributes_.name());
-            glDrawArrays(GL_TRIANGLES, 0, 3);
-            glBindVertexArray(0);
-            glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         }
         glDepthMask(skips_umbra() ? GL_TRUE : GL_FALSE);  // else slopes are wanted under the umbra
     }
@@ -600,7 +656,7 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane, bool whole) {
     program.use();
     glEnable(GL_CLIP_DISTANCE0);
     glEnable(GL_CLIP_DISTANCE1);
-    frame.gpu_scene().draw(frame.summary().casters, Cull::None);
+    frame.gpu_scene().draw(casters_onto(frame.summary(), layout_, plane), Cull::None);
     glDisable(GL_CLIP_DISTANCE0);
     glDisable(GL_CLIP_DISTANCE1);
     glDisable(GL_SCISSOR_TEST);
@@ -609,16 +665,21 @@ void Plateaus::draw_umbra(Frame& frame, std::size_t plane, bool whole) {
 void Plateaus::find_covered(Frame& frame, std::size_t plane, bool whole) {
     const glm::ivec2 size{layout_.blocks[plane].size};
     const bool wanted = wanted_ && !whole;
+    const bool skipped = skips_umbra() && skip_depth_;  // it holds both: umbra, and what nobody looks up
     bind_block();
     for (int level = 0; level < kLevels; level += 2) {
-        const Program& program = frame.device().programs.get(
-            {"techniques/plateaus/covered.comp"},
-            {{"LEVEL", std::to_string(level)}, {"WANTED", wanted ? "1" : "0"}, {"SIDES", both_sides_ ? "2" : "1"}});
+        const Program& program =
+            frame.device().programs.get({"techniques/plateaus/covered.comp"}, {{"LEVEL", std::to_string(level)},
+                                                                               {"SKIPPED", skipped ? "1" : "0"},
+                                                                               {"WANTED", wanted ? "1" : "0"},
+                                                                               {"SIDES", both_sides_ ? "2" : "1"}});
         // Whole cells of the coarsest level, so that each level finds all cells of the one below.
         const glm::ivec2 cells = ((size + 63) / 64) << (4 - level);
         program.set("plane_index", static_cast<int>(plane));
         program.set("cells", cells);
-        if (level == 0) {
+        if (level == 0 && skipped) {
+            skip_depth_.bind(4);
+        } else if (level == 0) {
             slopes_.bind(4);
             if (wanted) {
                 wanted_.bind(6);
@@ -648,6 +709,7 @@ void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles) 
     for (gpu::PlateauDraw& draw : counts.draws) {
         draw.instance_count = 1;
     }
+    counts.wide.instance_count = 1;
     draws_.upload(std::span<const gpu::PlaneDraws>{&counts, 1}, plane);
     const bool fans = fans_ || edges_ != EdgeChoice::Silhouettes;
     const bool hull = sheets_ == Sheets::Tessellated || !draws_tight();
@@ -667,8 +729,9 @@ void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles) 
         darkness_.bind_storage(7);
     }
     glEnable(GL_RASTERIZER_DISCARD);
-    for (const bool bound : {true, false}) {
-        if (bound && (!tiles || keep_all)) {
+    for (const SiftPass pass : {SiftPass::All, SiftPass::Bound, SiftPass::Cut}) {
+        const bool wide = pass != SiftPass::All;
+        if ((wide && !tiles) || (pass == SiftPass::Bound && keep_all)) {
             continue;
         }
         Defines more = defines(plane);
@@ -677,17 +740,30 @@ void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles) 
                                  {"SHEET", sheets_ == Sheets::Envelope ? "0" : "1"},
                                  {"KEEP_ALL", keep_all ? "1" : "0"},
                                  {"TILES", tiles ? "1" : "0"},
-                                 {"BOUND", bound ? "1" : "0"}});
+                                 {"PASS", std::to_string(static_cast<int>(pass))}});
         const Program& program =
             frame.device().programs.get({"techniques/plateaus/sift.vert", "techniques/plateaus/nothing.frag"}, more);
         program.set("plane_index", static_cast<int>(plane));
-        if (!bound) {
+        if (pass != SiftPass::Bound) {
             program.set("vertices_per_edge", per_edge);
+        }
+        if (tiles) {
+            program.set("first_wide_entry", static_cast<unsigned>(first_wide()));
+        }
+        if (pass == SiftPass::Cut) {
             program.set("first_tile_entry", static_cast<unsigned>(first_piece()));
             program.set("most_tile_entries", static_cast<unsigned>(kMostPieces));
         }
         program.use();
-        silhouettes_.draw(frame, GL_POINTS, 1);
+        if (wide) {
+            glBindVertexArray(no_attributes_.name());
+            glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draws_.name());
+            glDrawArraysIndirect(GL_POINTS,
+                                 buffer_offset(plane * sizeof(gpu::PlaneDraws) + offsetof(gpu::PlaneDraws, wide)));
+            glBindVertexArray(0);
+        } else {
+            silhouettes_.draw(frame, GL_POINTS, 1);
+        }
         StorageBuffer::barrier();
     }
     glDisable(GL_RASTERIZER_DISCARD);
@@ -695,6 +771,10 @@ void Plateaus::sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles) 
 
 std::uint64_t Plateaus::first_piece() const noexcept {
     return std::max<std::uint64_t>(1, silhouettes_.capacity());
+}
+
+std::uint64_t Plateaus::first_wide() const noexcept {
+    return first_piece() + kMostPieces;
 }
 
 void Plateaus::send_mail(Frame& frame) {
@@ -855,8 +935,9 @@ void Plateaus::update(Frame& frame) {
         if (mailboxes_.bytes() > sizeof(std::uint32_t)) {
             send_mail(frame);
         }
-        const std::size_t pieces = cuts_to_tiles_ ? kMostPieces : 0;
-        const std::size_t bytes = (std::max<std::uint64_t>(1, silhouettes_.capacity()) + pieces) * sizeof(glm::uvec2);
+        // Whole records, pieces, and the wide records that pieces are cut from.
+        const std::uint64_t all = first_piece();
+        const std::size_t bytes = (cuts_to_tiles_ ? first_wide() + all : all) * sizeof(glm::uvec2);
         if (listed_.bytes() < bytes) {
             listed_ = StorageBuffer(bytes, "silhouettes of a plane");
         }

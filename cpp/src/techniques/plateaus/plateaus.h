@@ -46,6 +46,9 @@ private:
         bool map = false;                 ///< the depth map is looked up
     };
     [[nodiscard]] Layout lay_out(const LightSummary& summary) const;
+    /// Instances whose shadow can meet the plane's texture.
+    [[nodiscard]] static std::vector<std::uint32_t> casters_onto(const LightSummary& summary, const Layout& layout,
+                                                                 std::size_t plane);
     [[nodiscard]] static std::string step_of(const Layout& layout, std::size_t plane);
     [[nodiscard]] bool slopes_off_planes(const Layout& layout) const noexcept;
     /// Slopes inside the hard shadow are read by nobody.
@@ -64,7 +67,7 @@ private:
     [[nodiscard]] bool draws_tight() const noexcept;
     /// What the settings draw for each silhouette, at most three.
     [[nodiscard]] std::vector<Draw> draws() const;
-    [[nodiscard]] std::vector<std::uint8_t> texels_looked_up(const View& view) const;
+    [[nodiscard]] std::vector<std::uint16_t> texels_looked_up(const View& view) const;
     /// @param whole  texels that no pixel looks up too, for those who keep or show the texture
     void draw_plane(Frame& frame, std::size_t plane, bool whole);
     void draw_umbra(Frame& frame, std::size_t plane, bool whole);
@@ -72,8 +75,9 @@ private:
     void sift(Frame& frame, std::size_t plane, bool keep_all, bool tiles);
     /// Wide slopes are cut to tiles.
     [[nodiscard]] bool cuts_to_tiles(const LightSummary& summary, const Layout& layout) const noexcept;
-    /// Where in `listed_` they are, behind all records.
+    /// Where in `listed_` pieces are, behind all records, and the wide records that they are cut from.
     [[nodiscard]] std::uint64_t first_piece() const noexcept;
+    [[nodiscard]] std::uint64_t first_wide() const noexcept;
     void draw_slopes(Frame& frame, std::size_t plane);
     void draw_primitives(Frame& frame, std::size_t plane);
     [[nodiscard]] DebugImage primitives_picture(Frame& frame);

@@ -2,20 +2,22 @@
 // window, outside the umbra, and is looked up by a pixel. One vertex for each record; nothing is rasterised.
 //
 // HULL as in bounds.glsl. CONES: 0 none, 1 sectors, 2 whole discs. KEEP_ALL lists everything.
-// TILES: slopes that are wider than two tiles are listed tile by tile, where they can be the darkest. BOUND: the pass
-// before, which finds for each tile how dark it is at least, from the slopes that cover it whole.
+// TILES: slopes that are wider than two tiles are put aside by PASS 0, so that only they cost more. PASS 1 finds for
+// each tile how dark it is at least, from those of them that cover it whole; PASS 2 lists them tile by tile, where they
+// can be the darkest.
 #include "techniques/plateaus/bounds.glsl"
-#if TILES
+#if PASS > 0
 #include "techniques/plateaus/tiles.glsl"
 #endif
 #include "shared/plateau_draws.h"
 
 layout(std430, binding = 0) readonly buffer Records { SilhouetteRecord records[]; };
-layout(std430, binding = 5) writeonly buffer Listed { uvec2 listed[]; };
+layout(std430, binding = 5) buffer Listed { uvec2 listed[]; };
 layout(std430, binding = 6) buffer Draws { PlaneDraws planes[]; };
 layout(std430, binding = 7) buffer Darkness { uint darkest_bits[]; };  // by tile: lambda is nowhere above
 layout(binding = 4) uniform sampler2D covered;
 uniform ivec3 vertices_per_edge;
+uniform uint first_wide_entry;
 uniform uint first_tile_entry;
 uniform uint most_tile_entries;
 
@@ -66,19 +68,19 @@ bool hidden(Box box, bool dark_ones_too) {
 #endif
 }
 
-void list(uint at, uvec2 entry) {
-    listed[at] = entry;
+uint parts_of(uint record, bool sheet, bool cone) {
+    return record | (sheet ? 0u : kNoSheet) | (cone ? 0u : kNoCone);
 }
 
-void list_whole(bool sheet, bool cone) {
+void list_whole(uint parts) {
     uint at = atomicAdd(planes[plane_index].kept, 1u);
-    list(at, uvec2(uint(gl_VertexID) | (sheet ? 0u : kNoSheet) | (cone ? 0u : kNoCone), 0u));
+    listed[at] = uvec2(parts, 0u);
     for (int i = 0; i < 3; ++i) {
         atomicAdd(planes[plane_index].draws[i].count, uint(vertices_per_edge[i]));
     }
 }
 
-#if TILES
+#if PASS > 0
 int tile_index(ivec2 tile) {
     return tile.y * ((PLANE.size.x + kTile - 1) / kTile) + tile.x;
 }
@@ -157,7 +159,13 @@ bool misses(vec2 corners[4], int count, ivec2 tile) {
 
 void main() {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-    SilhouetteRecord record = records[gl_VertexID];
+#if PASS > 0
+    uint wide = listed[first_wide_entry + uint(gl_VertexID)].x;
+    uint index = wide & ~(kNoSheet | kNoCone);
+#else
+    uint index = uint(gl_VertexID);
+#endif
+    SilhouetteRecord record = records[index];
     Slope slope = measure(record);
     Box none = Box(vec2(1e30), vec2(-1e30));
 
@@ -169,10 +177,7 @@ void main() {
         widen(sheet, quad[i]);
     }
     bool has_sheet = slope.drawn && in_window(sheet);
-    bool draws_sheet = has_sheet && !hidden(sheet, true);
-
     bool has_cone = false;
-    bool draws_cone = false;
     Box cone = none;
 #if CONES == 1
     Sector sector = sector_of(record, slope);
@@ -192,10 +197,15 @@ void main() {
     cone = Box((middle - half_size) * PLANE.window.w, (middle + half_size) * PLANE.window.w);
 #endif
     has_cone = has_cone && in_window(cone);
-    draws_cone = has_cone && !hidden(cone, true);
+#if PASS > 0
+    bool draws_sheet = (wide & kNoSheet) == 0u;
+    bool draws_cone = (wide & kNoCone) == 0u;
+#else
+    bool draws_sheet = has_sheet && !hidden(sheet, true);
+    bool draws_cone = has_cone && !hidden(cone, true);
+#endif
+    uint parts = parts_of(index, draws_sheet, draws_cone);
 
-    bool drawn = false;
-    bool whole = draws_sheet || draws_cone;
 #if TILES
     Box both = none;
     if (draws_sheet) {
@@ -207,80 +217,17 @@ void main() {
     }
     ivec2 first = clamped(both.low - 0.5) / kTile;
     ivec2 last = clamped(both.high + 0.5) / kTile;
-    if (whole && any(greaterThan(last - first, ivec2(1)))) {
-        whole = false;
-        vec4 ends = vec4(slope.s0, slope.s1);
-        for (int y = first.y; y <= last.y; ++y) {
-            for (int x = first.x; x <= last.x; ++x) {
-                ivec2 at = ivec2(x, y);
-                bool sheet_here = draws_sheet && !misses(quad, 4, at);
-                bool cone_here = draws_cone;
-#if CONES == 1
-                if (cone_here) {
-                    bool all_miss = true;
-                    for (int i = 1; i < 4; ++i) {
-                        vec2 corners[4] = vec2[](rays[0], rays[i], rays[i + 1], rays[0]);
-                        all_miss = all_miss && misses(corners, 3, at);
-                    }
-                    cone_here = !all_miss;
-                }
-#endif
-                vec2 corner = float(kTile) * vec2(at);
-                // Under the umbra an edge brightens where both sides are drawn; there the whole footprint decides.
-                Box texels = Box(corner + kNearby + 0.5, corner + float(kTile) - 0.5 - kNearby);
-                bool here = (sheet_here || cone_here) && !hidden(texels, SIDES == 1);
-                Tile tile = tile_at(at, float(kTile));
-#if BOUND
-                float darkest = 1.0;
-                if (here && sheet_here && covers(quad, 4, at)) {
-                    darkest = at_most(tile, ends, slope.scales);
-                }
-#if CONES == 1
-                if (here && cone_here) {
-                    for (int i = 1; i < 4; ++i) {
-                        vec2 corners[4] = vec2[](rays[0], rays[i], rays[i + 1], rays[0]);
-                        if (covers(corners, 3, at)) {
-                            darkest = min(darkest, at_most(tile, ends.xyxy, slope.scales.xxzz));
-                        }
-                    }
-                }
-#endif
-                if (darkest < 1.0) {
-                    atomicMin(darkest_bits[tile_index(at)], floatBitsToUint(darkest));
-                }
-#else
-#if !KEEP_ALL
-                if (here) {
-                    float t = beaten_from(at, uintBitsToFloat(darkest_bits[tile_index(at)]));
-                    sheet_here = sheet_here && !above(tile, ends, slope.scales, t);
-                    cone_here = cone_here && !above(tile, ends.xyxy, slope.scales.xxzz, t);
-                    here = sheet_here || cone_here;
-                }
-#endif
-                if (here) {
-                    uint entry = atomicAdd(planes[plane_index].tiles, 1u);
-                    if (entry < most_tile_entries) {
-                        drawn = true;
-                        list(first_tile_entry + entry,
-                             uvec2(uint(gl_VertexID) | (sheet_here ? 0u : kNoSheet) | (cone_here ? 0u : kNoCone),
-                                   uint(at.x) | (uint(at.y) << 16)));
-                        for (int i = 0; i < 3; ++i) {
-                            atomicAdd(planes[plane_index].draws[3 + i].count, uint(vertices_per_edge[i]));
-                        }
-                    } else {
-                        whole = true;  // no room: once more as a whole, which does no harm
-                    }
-                }
-#endif
-            }
-        }
-    }
 #endif
 
-#if !BOUND
-    if (whole) {
-        drawn = true;
-        list_whole(draws_sheet, draws_cone);
+#if PASS == 0
+    bool drawn = draws_sheet || draws_cone;
+#if TILES
+    if (drawn && any(greaterThan(last - first, ivec2(1)))) {
+        listed[first_wide_entry + atomicAdd(planes[plane_index].wide.count, 1u)] = uvec2(parts, 0u);
+    } else
+#endif
+    if (drawn) {
+        list_whole(parts);
     }
     if (has_sheet || has_cone) {
         atomicAdd(planes[plane_index].in_window, 1u);
@@ -288,5 +235,79 @@ void main() {
             atomicAdd(planes[plane_index].hidden, 1u);
         }
     }
+#else
+    bool drawn = false;
+    bool whole = false;
+    vec4 ends = vec4(slope.s0, slope.s1);
+    for (int y = first.y; y <= last.y; ++y) {
+        for (int x = first.x; x <= last.x; ++x) {
+            ivec2 at = ivec2(x, y);
+            bool sheet_here = draws_sheet && !misses(quad, 4, at);
+            bool cone_here = draws_cone;
+#if CONES == 1
+            if (cone_here) {
+                bool all_miss = true;
+                for (int i = 1; i < 4; ++i) {
+                    vec2 corners[4] = vec2[](rays[0], rays[i], rays[i + 1], rays[0]);
+                    all_miss = all_miss && misses(corners, 3, at);
+                }
+                cone_here = !all_miss;
+            }
+#endif
+            vec2 corner = float(kTile) * vec2(at);
+            // Under the umbra an edge brightens where both sides are drawn; there the whole footprint decides.
+            Box texels = Box(corner + kNearby + 0.5, corner + float(kTile) - 0.5 - kNearby);
+            bool here = (sheet_here || cone_here) && !hidden(texels, SIDES == 1);
+            Tile tile = tile_at(at, float(kTile));
+#if PASS == 1
+            float darkest = 1.0;
+            if (here && sheet_here && covers(quad, 4, at)) {
+                darkest = at_most(tile, ends, slope.scales);
+            }
+#if CONES == 1
+            if (here && cone_here) {
+                for (int i = 1; i < 4; ++i) {
+                    vec2 corners[4] = vec2[](rays[0], rays[i], rays[i + 1], rays[0]);
+                    if (covers(corners, 3, at)) {
+                        darkest = min(darkest, at_most(tile, ends.xyxy, slope.scales.xxzz));
+                    }
+                }
+            }
+#endif
+            if (darkest < 1.0) {
+                atomicMin(darkest_bits[tile_index(at)], floatBitsToUint(darkest));
+            }
+#else
+#if !KEEP_ALL
+            if (here) {
+                float t = beaten_from(at, uintBitsToFloat(darkest_bits[tile_index(at)]));
+                sheet_here = sheet_here && !above(tile, ends, slope.scales, t);
+                cone_here = cone_here && !above(tile, ends.xyxy, slope.scales.xxzz, t);
+                here = sheet_here || cone_here;
+            }
+#endif
+            if (here) {
+                uint entry = atomicAdd(planes[plane_index].tiles, 1u);
+                if (entry < most_tile_entries) {
+                    drawn = true;
+                    listed[first_tile_entry + entry] =
+                        uvec2(parts_of(index, sheet_here, cone_here), uint(at.x) | (uint(at.y) << 16));
+                    for (int i = 0; i < 3; ++i) {
+                        atomicAdd(planes[plane_index].draws[3 + i].count, uint(vertices_per_edge[i]));
+                    }
+                } else {
+                    whole = true;  // no room: once more as a whole, which does no harm
+                }
+            }
+#endif
+        }
+    }
+#if PASS == 2
+    if (whole) {
+        list_whole(parts);
+    } else if (!drawn) {
+        atomicAdd(planes[plane_index].hidden, 1u);
+    }
+#endif
 #endif
 }
