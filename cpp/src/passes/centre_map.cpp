@@ -79,11 +79,7 @@ bool CentreMap::plan(const LightSummary& summary, std::string_view lookup, Plan&
         plan.leave_out("receiver depth map", "every-receiver-casts",
                        "every visible receiver is among the casters, so their map holds it");
     }
-    if (summary.casters_outside > 0) {
-        plan.leave_out("casters out of reach", "caster-outside-hull",
-                       std::to_string(summary.casters_outside) +
-                           " casters lie outside the space between the light and the visible receivers");
-    }
+    beside.tell_of_hull(summary, plan);
     plan.run(std::string{lookup});
     return true;
 }

@@ -105,12 +105,18 @@ void collect_receivers(const Scene& scene, const View& view, LightSummary& summa
     }
 }
 
+std::vector<glm::dvec3> separating_axes(const LightSummary& summary) {
+    const Light& light = *summary.light;
+    return separating_axes(light.kind == LightKind::Sun ? light.direction_ws
+                                                        : summary.receivers_ws.centre() - light.position_ws);
+}
+
 bool may_cast(const Bounds& caster_ws, const LightSummary& summary, const Bounds& light_bounds,
-              const std::vector<glm::dvec3>& axes) {
+              const std::vector<glm::dvec3>& axes, double reach_m = 0.0) {
     const Light& light = *summary.light;
     // Float32 rounding of the receivers must not push a touching caster out.
     const double slack =
-        1e-6 * (summary.receivers_ws.radius() + glm::length(summary.receivers_ws.centre() - summary.eye_ws));
+        reach_m + 1e-6 * (summary.receivers_ws.radius() + glm::length(summary.receivers_ws.centre() - summary.eye_ws));
     for (const glm::dvec3& axis : axes) {
         Interval hull = project(summary.receivers_ws, axis);
         if (light.kind == LightKind::Sun) {
@@ -154,6 +160,11 @@ LightSummary::Trivial LightSummary::trivial() const {
     return {};
 }
 
+bool within_reach(const LightSummary& summary, const Bounds& caster_ws, double reach_m) {
+    return summary.lit_pixels > 0 &&
+           may_cast(caster_ws, summary, bounds_of(*summary.light), separating_axes(summary), reach_m);
+}
+
 LightSummary summarise_light(const Scene& scene, const View& view, const Light& light,
                              const std::vector<Bounds>& instance_bounds_ws, const Keep& keep) {
     LightSummary summary;
@@ -168,9 +179,7 @@ LightSummary summarise_light(const Scene& scene, const View& view, const Light& 
     collect_receivers(scene, view, summary);
 
     const Bounds light_bounds = bounds_of(light);
-    const glm::dvec3 receivers_centre = summary.receivers_ws.centre();
-    const auto axes =
-        separating_axes(light.kind == LightKind::Sun ? light.direction_ws : receivers_centre - light.position_ws);
+    const auto axes = separating_axes(summary);
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         if (!instance.casts || instance.mesh->triangles.empty()) {
@@ -184,6 +193,11 @@ LightSummary summarise_light(const Scene& scene, const View& view, const Light& 
             summary.caster_triangles += instance.mesh->triangles.size();
         } else {
             ++summary.casters_outside;
+            const double near_m = 2.0 * summary.receivers_ws.radius();
+            if (summary.lit_pixels > 0 && may_cast(instance_bounds_ws[i], summary, light_bounds, axes, near_m)) {
+                summary.near_hull.push_back(i);
+                summary.near_hull_bounds_ws.push_back(instance_bounds_ws[i]);
+            }
         }
     }
     return summary;

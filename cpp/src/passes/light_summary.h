@@ -40,7 +40,11 @@ struct LightSummary {
 
     std::vector<std::uint32_t> casters;  ///< instances that can cast onto a visible receiver (all if the rule is kept)
     std::vector<std::uint8_t> caster_needed;  ///< 0 only if the rule is kept: drawn, but must not matter
-    std::uint32_t casters_outside = 0;        ///< casting instances outside every light-receiver hull
+    std::uint32_t casters_outside = 0;        ///< casting instances outside the hull of light and receivers
+    /// Of these, ascending, what lies no farther from the hull than twice the radius of all visible receivers. A kernel
+    /// may look so far beside its receiver and find it there (MapFace::beside); kept frames depend on it.
+    std::vector<std::uint32_t> near_hull;
+    std::vector<Bounds> near_hull_bounds_ws;  ///< boxes of `near_hull`
     std::uint64_t caster_triangles = 0;
     std::vector<Bounds> caster_bounds_ws;  ///< boxes of `casters`
 
@@ -51,6 +55,10 @@ struct LightSummary {
     };
     [[nodiscard]] Trivial trivial() const;
 };
+
+/// False where a plane keeps the box apart from the hull of the light and all that lies within `reach_m` of the visible
+/// receivers: who looks that far beside them, at texels under a kernel, does not find it either.
+[[nodiscard]] bool within_reach(const LightSummary& summary, const Bounds& caster_ws, double reach_m);
 
 /// @param instance_bounds_ws box of each instance, as many as scene.instances
 [[nodiscard]] LightSummary summarise_light(const Scene& scene, const View& view, const Light& light,

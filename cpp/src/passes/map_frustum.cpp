@@ -102,6 +102,48 @@ void pad(Extent& extent, const MapFrustumOptions& options) {
     extent.high = centre + 0.5 * size;
 }
 
+/// Where a box lies, as a face sees it.
+struct Placed {
+    bool beside = false;  ///< apart from the face's extent, or behind the light point
+    double nearest = kInfinity;
+};
+
+Placed placed_in(const MapFace& face, const glm::dvec3& origin_ws, const Bounds& box_ws) {
+    Placed box;
+    bool outside_left = true;
+    bool outside_right = true;
+    bool outside_low = true;
+    bool outside_high = true;
+    bool behind = !face.orthographic;
+    for (const glm::dvec3& corner_ws : corners_of(box_ws.low, box_ws.high)) {
+        const glm::dvec3 p = face.ls_from_world * (corner_ws - origin_ws);
+        const double w = face.orthographic ? 1.0 : p.z;
+        outside_left = outside_left && p.x < face.low.x * w;
+        outside_right = outside_right && p.x > face.high.x * w;
+        outside_low = outside_low && p.y < face.low.y * w;
+        outside_high = outside_high && p.y > face.high.y * w;
+        behind = behind && p.z <= 0.0;
+        box.nearest = std::min(box.nearest, p.z);
+    }
+    box.beside = outside_left || outside_right || outside_low || outside_high || behind;
+    return box;
+}
+
+/// What is looked up in the margin lies beside its receiver by no more than `reach_m`. Casters in its way may be
+/// outside the hull of light and receivers, and count all the same.
+void add_casters_beside(const LightSummary& summary, const glm::dvec3& origin_ws, const MapFrustumOptions& options,
+                        MapFace& face) {
+    const glm::dvec2 margin = options.margin_texels / options.size_px * (face.high - face.low);
+    const double reach_m = glm::length(margin) * (face.orthographic ? 1.0 : face.farthest_m);
+    for (std::size_t i = 0; i < summary.near_hull.size(); ++i) {
+        const Placed box = placed_in(face, origin_ws, summary.near_hull_bounds_ws[i]);
+        if (!box.beside && box.nearest <= face.farthest_m &&
+            within_reach(summary, summary.near_hull_bounds_ws[i], reach_m)) {
+            face.beside.push_back(summary.near_hull[i]);
+        }
+    }
+}
+
 }  // namespace
 
 void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, double nearest_m,
@@ -109,26 +151,10 @@ void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin
     double nearest_caster = kInfinity;
     face.farthest_m = farthest_m;
     for (std::uint32_t i = 0; i < summary.casters.size(); ++i) {
-        Extent box;
-        bool outside_left = true;
-        bool outside_right = true;
-        bool outside_low = true;
-        bool outside_high = true;
-        bool behind = !face.orthographic;
-        for (const glm::dvec3& corner_ws :
-             corners_of(summary.caster_bounds_ws[i].low, summary.caster_bounds_ws[i].high)) {
-            const glm::dvec3 p = face.ls_from_world * (corner_ws - origin_ws);
-            const double w = face.orthographic ? 1.0 : p.z;
-            outside_left = outside_left && p.x < face.low.x * w;
-            outside_right = outside_right && p.x > face.high.x * w;
-            outside_low = outside_low && p.y < face.low.y * w;
-            outside_high = outside_high && p.y > face.high.y * w;
-            behind = behind && p.z <= 0.0;
-            box.add({p.x, p.y}, p.z);
-        }
+        const Placed box = placed_in(face, origin_ws, summary.caster_bounds_ws[i]);
         const bool receives = keep_receivers && std::ranges::binary_search(summary.receivers, summary.casters[i]);
         const bool past_receivers = box.nearest > farthest_m && !receives;
-        const bool outside = outside_left || outside_right || outside_low || outside_high || behind || past_receivers;
+        const bool outside = box.beside || past_receivers;
         if (outside && !summary.keeps("caster-outside-face")) {
             continue;
         }
@@ -154,6 +180,7 @@ std::vector<std::uint32_t> casters_in(const LightSummary& summary, const MapFace
     for (const std::uint32_t caster : face.casters) {
         instances.push_back(summary.casters[caster]);
     }
+    instances.insert(instances.end(), face.beside.begin(), face.beside.end());
     return instances;
 }
 
@@ -183,6 +210,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         face.high = extent.high;
         fit_depth_and_casters(summary, frustum.origin_ws, extent.nearest, extent.farthest, options.keep_receivers,
                               face);
+        add_casters_beside(summary, frustum.origin_ws, options, face);
         frustum.faces.push_back(std::move(face));
         return frustum;
     }
@@ -222,6 +250,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
             face.high = extent.high;
             fit_depth_and_casters(summary, frustum.origin_ws, extent.nearest, extent.farthest, options.keep_receivers,
                                   face);
+            add_casters_beside(summary, frustum.origin_ws, options, face);
             frustum.faces.push_back(std::move(face));
             return frustum;
         }
@@ -275,6 +304,7 @@ MapFrustum fit_map_frustum(const LightSummary& summary, const glm::dvec3& origin
         face.high = extent[i].high;
         fit_depth_and_casters(summary, frustum.origin_ws, extent[i].nearest, extent[i].farthest, options.keep_receivers,
                               face);
+        add_casters_beside(summary, frustum.origin_ws, options, face);
         frustum.faces.push_back(std::move(face));
     }
     return frustum;

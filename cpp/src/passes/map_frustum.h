@@ -20,6 +20,7 @@ struct MapFace {
     double far_m = 0.0;                  ///< orthographic: z_ls of the window depth 0; perspective: infinite
     double farthest_m = 0.0;             ///< z_ls of the deepest receiver
     std::vector<std::uint32_t> casters;  ///< positions in LightSummary::casters that may fall into this face
+    std::vector<std::uint32_t> beside;   ///< instances of LightSummary::near_hull that lookups may find
     bool for_nothing = false;            ///< no visible receiver lies in it; kept where everything is
 };
 
@@ -32,7 +33,8 @@ struct MapFrustum {
 
 struct MapFrustumOptions {
     int size_px = 1024;
-    double margin_texels = 2.0;  ///< kept free around the receivers: filter radius and bias offsets
+    /// Kept free around the receivers: filter radius and bias offsets. So far beside them casters are drawn.
+    double margin_texels = 2.0;
     /// Area lights: z along the light's normal and x along its first half axis, so that the light lies in the plane
     /// z_ls = 0 and its outline keeps its shape in the map. The fitted frustum is then off-centre.
     bool along_light_normal = false;
@@ -55,7 +57,7 @@ struct MapFrustumOptions {
 void fit_depth_and_casters(const LightSummary& summary, const glm::dvec3& origin_ws, double nearest_m,
                            double farthest_m, bool keep_receivers, MapFace& face);
 
-/// Instances that may fall into the face.
+/// Instances that may fall into the face, those beside the hull last.
 [[nodiscard]] std::vector<std::uint32_t> casters_in(const LightSummary& summary, const MapFace& face);
 
 }  // namespace penumbra

@@ -72,6 +72,10 @@ std::string FrameDigests::of_summary(const LightSummary& summary, std::size_t li
             digest.add(summary.caster_needed[i]);
             add_instance(digest, scene.instances[summary.casters[i]]);
         }
+        digest.add(static_cast<std::uint64_t>(summary.near_hull.size()));
+        for (const std::uint32_t i : summary.near_hull) {
+            add_instance(digest, scene.instances[i]);
+        }
         known = digest.hex();
     }
     return known;

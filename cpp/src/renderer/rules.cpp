@@ -35,7 +35,9 @@ const std::vector<RuleInfo>& rules() {
          RuleStage::LightSpace,
          {"smoothies", "penumbra_maps", "plateaus", "linear_light_maps", "light_samples", "ray_traced"}},
         {"caster-outside-hull",
-         "a separating plane keeps the caster apart from the hull of light and visible receivers",
+         "a separating plane keeps the caster apart from the hull of light and visible receivers, and from what is "
+         "looked "
+         "up beside them on a map",
          0.0,
          RuleStage::LightSpace,
          {"shadow_map", "shadow_volume", "hybrid", "pcf", "smoothies", "penumbra_maps", "plateaus", "linear_light_maps",

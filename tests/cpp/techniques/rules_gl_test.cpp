@@ -320,6 +320,35 @@ TEST_F(Rules, AnInstanceThatNobodySeesAndThatCastsNothingIsNotSent) {
     EXPECT_GT(triangles_and_image(more).first, whole.first) << "it is seen: it must be there";
 }
 
+// A kernel looks up texels beside the receivers', and finds casters there that shade no receiver at all.
+TEST_F(Rules, ACasterBesideTheHullStaysWhereAKernelFindsIt) {
+    const std::string rule = "caster-outside-hull";
+    for (const Light& light : {scenes::rectangle_light({0, 0, 4}, 1, 1), scenes::point_light({0, 0, 4}, 0.3),
+                               scenes::sun_light({0.0, 0.0, -1.0}, 0.05)}) {
+        Scene scene = lit_by(light);
+        scene.instances.erase(scene.instances.begin() + 1);  // the edge
+        const double half_m = scene.camera.half_width_m;
+        const double beside = light.kind == LightKind::Sun ? half_m + 0.5 : 0.75 * half_m + 0.6;
+        scene = with(scene, scenes::box(glm::vec3{-0.1F}, glm::vec3{0.1F}), {beside + 0.1, 0.0, 1.0});
+        const auto filtered = [&](int kernel, bool keep) {
+            const Settings settings{{"map_size", 128}, {"kernel", kernel}};
+            return made(scene, {"pcf", settings, false, keep ? std::vector{rule} : std::vector<std::string>{}});
+        };
+        const VisibilityResult planned = filtered(63, false);
+        const VisibilityResult kept = filtered(63, true);
+        EXPECT_LT(*std::ranges::min_element(kept.visibility), 1.0F) << "the kernel must reach the box";
+        EXPECT_EQ(planned.visibility, kept.visibility) << static_cast<int>(light.kind);
+        EXPECT_FALSE(fires(planned.plan, rule)) << static_cast<int>(light.kind);
+        EXPECT_TRUE(fires(filtered(3, false).plan, rule)) << static_cast<int>(light.kind) << ": a narrow kernel";
+        EXPECT_EQ(filtered(3, false).visibility, filtered(3, true).visibility);
+        const Job again{"pcf", {{"map_size", 128}, {"kernel", 63}}, false, {}, true};
+        EXPECT_FALSE(made(scene, again).kept);
+        EXPECT_TRUE(made(scene, again).kept);
+        scene.instances.back().world_from_local[3].x += 0.01;
+        EXPECT_FALSE(made(scene, again).kept) << "a kept frame knows what lies beside the hull";
+    }
+}
+
 TEST_F(Rules, TheReferenceLeavesOutOnlyRaysThatDecideNothing) {
     Scene scene = scenes::straight_edge(scenes::rectangle_light({0, 0, 4}, 1, 1), 1.0, 0.0, 64, 2.0);
     renderer().set_scene(scene);

@@ -189,17 +189,13 @@ Plan LightSamples::plan(const LightSummary& summary) const {
         plan.leave_out("further depth maps", "light-without-extent",
                        "the light has no extent: all " + std::to_string(count_) + " samples are the same point");
     }
-    if (summary.casters_outside > 0) {
-        plan.leave_out("casters out of reach", "caster-outside-hull",
-                       std::to_string(summary.casters_outside) +
-                           " casters lie outside the space between the light and the visible receivers");
-    }
     CastersBeside beside;
     for (const Sample& sample : fit_samples(summary)) {
         for (const MapFace& face : sample.frustum.faces) {
             beside.add(summary, face);
         }
     }
+    beside.tell_of_hull(summary, plan);
     beside.tell(plan);
     plan.run("lookups");
     plan.run("mean");

@@ -22,6 +22,8 @@ LightSummary summary_of(const LightSummary& whole, const std::vector<glm::vec3>&
     rest.casters = whole.casters;
     rest.caster_needed = whole.caster_needed;
     rest.caster_bounds_ws = whole.caster_bounds_ws;
+    rest.near_hull = whole.near_hull;
+    rest.near_hull_bounds_ws = whole.near_hull_bounds_ws;
     rest.receiver_points_cr = points_cr;
     rest.lit_pixels = points_cr.size();
     for (std::size_t first = 0; first < points_cr.size(); first += kTile) {
