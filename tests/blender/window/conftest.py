@@ -134,9 +134,10 @@ def guide() -> Callable[..., Image.Image]:
         path = folder / f"blender-{name}.png"
         shown = whole
         while True:
-            shown.save(path, optimize=True)
-            if path.stat().st_size < LARGEST_PICTURE:
-                return whole
+            for made in (shown, shown.quantize(256, dither=Image.Dither.NONE)):
+                made.save(path, optimize=True)
+                if path.stat().st_size < LARGEST_PICTURE:
+                    return whole
             shown = whole.resize((shown.width * 9 // 10, shown.height * 9 // 10), Image.Resampling.LANCZOS)
 
     return make
