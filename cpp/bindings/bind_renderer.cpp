@@ -15,7 +15,8 @@ namespace {
 
 /// The renderer and the size of its images, so that arrays get their shape.
 struct PyRenderer {
-    explicit PyRenderer(const std::string& device, bool debug) : renderer{{.device = device, .debug = debug}} {}
+    PyRenderer(const std::string& device, bool debug, std::size_t most_kept_bytes)
+        : renderer{{.device = device, .debug = debug, .most_kept_bytes = most_kept_bytes}} {}
     Renderer renderer;
     py::ssize_t width = 512, height = 512;
 
@@ -231,9 +232,10 @@ void bind_renderer(py::module_& m) {
     py::class_<PyRenderer>(m, "Renderer",
                            "Renders one scene on one device, on a thread of its own. Long calls release the GIL, hear\n"
                            "Ctrl-C, and tell progress(fraction, text) if it is given.")
-        .def(py::init<const std::string&, bool>(), "device"_a = "", "debug"_a = false,
-             py::call_guard<py::gil_scoped_release>(),
-             "device: \"\" (automatic), an index, or part of a renderer's name. Raises DeviceError.")
+        .def(py::init<const std::string&, bool, std::size_t>(), "device"_a = "", "debug"_a = false,
+             "most_kept_bytes"_a = RendererOptions{}.most_kept_bytes, py::call_guard<py::gil_scoped_release>(),
+             "device: \"\" (automatic), an index, or part of a renderer's name. Raises DeviceError.\n"
+             "most_kept_bytes: of the frames that visibility(reuse=True) keeps, in main memory.")
         .def_property_readonly("environment", &environment)
         .def("work", &work, "What it has done so far: programs compiled, views drawn, frames made and kept, and more.")
         .def("set_scene", &set_scene, "scene"_a, "Checks the scene and makes it current. Raises InvalidScene.")

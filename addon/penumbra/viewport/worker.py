@@ -20,6 +20,10 @@ PATIENCE_S = 0.5
 """While a view turns, a newer question comes with every drawing. A first answer to an older one is made all the same if
 it takes no longer than this: else nothing would be seen before the hand rests."""
 
+_MOST_KEPT_BYTES = 32 << 20
+"""Of earlier frames. A view that turns asks for none of them again, and each viewport has a renderer of its own; what
+comes back is the same view after another light or a colour changed."""
+
 _LONGEST_WAIT_S = 2.0  # for the thread at the end
 _LONGEST_WAIT_AT_EXIT_S = 60.0  # a core at work hears within a second or a few that nobody waits for it any more
 
@@ -138,7 +142,8 @@ class Worker(Generic[A]):
             try:
                 if renderer is None or device != question.device:
                     renderer = None
-                    renderer, device = native.load().Renderer(question.device), question.device
+                    renderer = native.load().Renderer(question.device, most_kept_bytes=_MOST_KEPT_BYTES)
+                    device = question.device
                 question.work(renderer, Desk(self, question))
             except picture.StoppedError:
                 continue

@@ -264,9 +264,15 @@ class Renderer:
     Renders one scene on one device, on a thread of its own. Long calls release the GIL, hear
     Ctrl-C, and tell progress(fraction, text) if it is given.
     """
-    def __init__(self, device: str = "", debug: bool = False) -> None:
+    def __init__(
+        self,
+        device: str = "",
+        debug: bool = False,
+        most_kept_bytes: typing.SupportsInt | typing.SupportsIndex = 268435456,
+    ) -> None:
         """
         device: "" (automatic), an index, or part of a renderer's name. Raises DeviceError.
+        most_kept_bytes: of the frames that visibility(reuse=True) keeps, in main memory.
         """
     def bake(
         self,

@@ -43,7 +43,7 @@ private:
 /// V of frames already made, by the digest of what they were made from; the least recently asked for goes first.
 class KeptFrames {
 public:
-    explicit KeptFrames(std::size_t most_bytes = std::size_t{256} << 20U) : most_bytes_{most_bytes} {}
+    explicit KeptFrames(std::size_t most_bytes) : most_bytes_{most_bytes} {}
 
     /// @param rays digest of all casters, compared only for a frame that asked for rays
     /// @return null if there is none; valid until the next call

@@ -55,8 +55,9 @@ public:
         environment_.software = info.software;
         environment_.threads = thread_count();
         environment_.embree = embree::version();
-        state_ =
-            thread_.run([](Device& device) { return std::make_unique<State>(device.workarounds.time_by_wall_clock); });
+        state_ = thread_.run([&](Device& device) {
+            return std::make_unique<State>(device.workarounds.time_by_wall_clock, options.most_kept_bytes);
+        });
     }
     ~Impl() {
         try {
@@ -73,7 +74,7 @@ public:
     Environment environment_;
 
     struct State {
-        explicit State(bool wall_clock) : clock{wall_clock} {}
+        State(bool wall_clock, std::size_t most_kept_bytes) : clock{wall_clock}, kept{most_kept_bytes} {}
         StepClock clock;
         SceneValidator validator;
         FullscreenPass fullscreen;

@@ -140,6 +140,22 @@ TEST_P(KeptFramesGl, NothingIsCompiledOrHeldForALightThatNeedsNothing) {
     EXPECT_GT(own.work().programs + own.work().ray_scenes, before.programs);
 }
 
+TEST_F(KeptFramesGl, WhatIsKeptStaysWithinItsBytesAndTheOldestGoes) {
+    const Scene scene = two_lights();
+    renderer().set_scene(scene);
+    const std::size_t frame = fresh("shadow_map").size() * sizeof(float);
+    Renderer tight{{.most_kept_bytes = frame + frame / 2}};
+    tight.set_scene(scene);
+    Job job{"shadow_map", small("shadow_map"), false};
+    job.reuse = true;
+    const auto kept = [&](std::size_t light) { return tight.visibility(light, job, false, control_).kept; };
+    EXPECT_FALSE(kept(0));
+    EXPECT_TRUE(kept(0));
+    EXPECT_FALSE(kept(1));
+    EXPECT_TRUE(kept(1));
+    EXPECT_FALSE(kept(0)) << "there is room for one frame";
+}
+
 TEST_F(KeptFramesGl, APointLightCompilesNoProgramOfPenumbrae) {
     for (const std::string id : {"smoothies", "penumbra_maps", "plateaus"}) {
         const auto compiled = [&](double radius_m) {
