@@ -1,13 +1,6 @@
 // Position and geometric normal of a pixel in one texel, so that a lookup reads the view once.
 // xyz: bits of the position relative to the eye; w: octahedral normal, 16 bits an axis (within 5e-5 rad), 0: nothing.
-
-uint pack_normal(vec3 n) {
-    vec2 o = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
-    if (n.z < 0.0) {
-        o = (1.0 - abs(o.yx)) * vec2(o.x >= 0.0 ? 1.0 : -1.0, o.y >= 0.0 ? 1.0 : -1.0);
-    }
-    return max(packUnorm2x16(0.5 * o + 0.5), 1u);
-}
+// Written by passes/receiver_texel.cpp.
 
 // Not of unit length: a plane's slope in a map and the side it faces do not depend on it.
 vec3 unpack_normal(uint packed_normal) {

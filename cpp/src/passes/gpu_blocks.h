@@ -8,7 +8,6 @@ namespace penumbra::gpu {
 #include "shared/map_block.h"
 
 static_assert(sizeof(InstanceBlock) == 48);
-static_assert(sizeof(InstanceExact) == 128);
 static_assert(sizeof(MapFaceBlock) == 112);
 static_assert(sizeof(MapBlock) == 48 + PENUMBRA_MAX_FACES * 112);
 

@@ -42,7 +42,6 @@ std::vector<std::uint8_t> GpuScene::meshes_needed(const Scene& scene, std::size_
 bool GpuScene::update(const Scene& scene) {
     if (has_meshes_of(scene) && meshes_needed(scene, meshes_.size()) == mesh_needed_) {
         place(scene);
-        send_albedos(scene);
         return false;
     }
     std::vector<std::shared_ptr<const Mesh>> meshes;
@@ -65,7 +64,6 @@ bool GpuScene::update(const Scene& scene) {
         send_geometry();
     }
     place(scene);
-    send_albedos(scene);
     make_vertex_array();
     return geometry_changed;
 }
@@ -73,8 +71,6 @@ bool GpuScene::update(const Scene& scene) {
 void GpuScene::send_geometry() {
     std::vector<glm::vec3> positions;
     std::vector<std::uint32_t> indices;
-    std::vector<glm::vec3> normals;
-    std::vector<std::uint32_t> materials;
     ranges_.clear();
     std::size_t vertex_total = 0;
     std::size_t triangle_total = 0;
@@ -112,20 +108,10 @@ void GpuScene::send_geometry() {
         for (const glm::uvec3& t : mesh->triangles) {
             indices.insert(indices.end(), {t.x, t.y, t.z});
         }
-        if (!mesh->corner_normals_local.empty()) {
-            range.first_normal = static_cast<std::uint32_t>(3 * normals.size());
-            normals.insert(normals.end(), mesh->corner_normals_local.begin(), mesh->corner_normals_local.end());
-        }
-        if (!mesh->triangle_material.empty()) {
-            range.first_material = static_cast<std::uint32_t>(materials.size());
-            materials.insert(materials.end(), mesh->triangle_material.begin(), mesh->triangle_material.end());
-        }
         ranges_.push_back(range);
     }
     positions_ = StorageBuffer::from(positions, "vertex positions");
     indices_ = StorageBuffer::from(indices, "triangle indices");
-    normals_ = StorageBuffer::from(normals, "corner normals");
-    materials_ = StorageBuffer::from(materials, "triangle materials");
 }
 
 void GpuScene::place(const Scene& scene) {
@@ -140,23 +126,6 @@ void GpuScene::place(const Scene& scene) {
         world_from_recentred_.push_back(matrix);
         mirrored_.push_back(glm::determinant(glm::dmat3{matrix}) < 0.0 ? 1 : 0);
         instance_bounds_ws_.push_back(transformed(range.bounds_local, instance.world_from_local));
-    }
-}
-
-void GpuScene::send_albedos(const Scene& scene) {
-    first_albedo_.clear();
-    albedo_count_.clear();
-    std::vector<glm::vec4> albedos;
-    for (const Instance& instance : scene.instances) {
-        first_albedo_.push_back(static_cast<std::uint32_t>(albedos.size()));
-        albedo_count_.push_back(static_cast<std::uint32_t>(instance.albedo.size()));
-        for (const glm::vec3& colour : instance.albedo) {
-            albedos.emplace_back(colour, 1.0F);
-        }
-    }
-    if (!albedos_ || albedos != albedo_values_) {
-        albedos_ = StorageBuffer::from(albedos, "albedos");
-        albedo_values_ = std::move(albedos);
     }
 }
 
@@ -186,25 +155,6 @@ std::vector<gpu::InstanceBlock> GpuScene::relative_to(const glm::dvec3& origin_w
         for (int row = 0; row < 3; ++row) {
             blocks[i].rows[row] = glm::vec4{m[0][row], m[1][row], m[2][row], m[3][row]};
         }
-    }
-    return blocks;
-}
-
-std::vector<gpu::InstanceExact> GpuScene::exact_relative_to(const glm::dvec3& origin_ws) const {
-    std::vector<gpu::InstanceExact> blocks(instance_count());
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-        glm::dmat4 m = world_from_recentred_[i];
-        m[3] -= glm::dvec4{origin_ws, 0.0};
-        for (int row = 0; row < 3; ++row) {
-            blocks[i].rows[row] = glm::dvec4{m[0][row], m[1][row], m[2][row], m[3][row]};
-        }
-        const MeshRange& range = ranges_[mesh_of_instance_[i]];
-        blocks[i].first_index = range.first_index;
-        blocks[i].first_vertex = range.first_vertex;
-        blocks[i].first_normal = range.first_normal;
-        blocks[i].first_material = range.first_material;
-        blocks[i].first_albedo = first_albedo_[i];
-        blocks[i].albedo_count = albedo_count_[i];
     }
     return blocks;
 }
@@ -247,16 +197,8 @@ void GpuScene::draw(std::span<const std::uint32_t> instances, Cull cull) {
     glFrontFace(GL_CCW);
 }
 
-void GpuScene::bind_surface_data() const {
-    positions_.bind_storage(1);
-    indices_.bind_storage(2);
-    normals_.bind_storage(3);
-    materials_.bind_storage(4);
-    albedos_.bind_storage(5);
-}
-
 std::size_t GpuScene::memory_bytes() const noexcept {
-    return positions_.bytes() + indices_.bytes() + normals_.bytes() + materials_.bytes() + albedos_.bytes();
+    return positions_.bytes() + indices_.bytes();
 }
 
 }  // namespace penumbra

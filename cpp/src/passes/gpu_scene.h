@@ -21,14 +21,13 @@ public:
     /// Where a mesh lies in the shared buffers. Its positions there are relative to `centre_local`.
     struct MeshRange {
         std::uint32_t first_index = 0, index_count = 0, first_vertex = 0;
-        std::uint32_t first_normal = 0xffffffffU, first_material = 0xffffffffU;
         glm::dvec3 centre_local{0.0};
         Bounds bounds_local;
         bool sent = true;  ///< false: index_count is 0, for no instance is seen or casts
     };
 
-    /// Sends what is not there yet: geometry only if the meshes changed, albedos only if they did. Transforms stay
-    /// here, since each pass wants them relative to an origin of its own.
+    /// Sends positions and triangles, and only if the meshes changed: nothing else of a mesh is drawn with. Transforms
+    /// stay here, since each pass wants them relative to an origin of its own.
     /// @return true if geometry was sent again
     bool update(const Scene& scene);
 
@@ -50,7 +49,6 @@ public:
 
     /// Transforms of all instances relative to `origin_ws`, composed in float64.
     [[nodiscard]] std::vector<gpu::InstanceBlock> relative_to(const glm::dvec3& origin_ws) const;
-    [[nodiscard]] std::vector<gpu::InstanceExact> exact_relative_to(const glm::dvec3& origin_ws) const;
 
     /// Draws instances with the program in use; attributes: 0 recentred local position, 1 instance index.
     /// Mirrored instances are wound the other way round, so that culling means the same for all.
@@ -58,8 +56,6 @@ public:
 
     [[nodiscard]] const StorageBuffer& positions() const noexcept { return positions_; }
     [[nodiscard]] const StorageBuffer& indices() const noexcept { return indices_; }
-    /// Positions, indices, corner normals, materials, albedos at storage bindings 1 .. 5.
-    void bind_surface_data() const;
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
     /// Of meshes that somebody sees or that cast: no other is sent (rule instance-without-effect).
     [[nodiscard]] std::size_t triangles_sent() const noexcept { return indices_.bytes() / sizeof(glm::uvec3); }
@@ -71,7 +67,6 @@ private:
     [[nodiscard]] std::vector<std::uint8_t> meshes_needed(const Scene& scene, std::size_t meshes) const;
     void send_geometry();
     void place(const Scene& scene);
-    void send_albedos(const Scene& scene);
     void make_vertex_array();
 
     std::vector<std::shared_ptr<const Mesh>> meshes_;  ///< kept, so that a pointer names the same mesh as before
@@ -81,12 +76,10 @@ private:
     std::vector<std::uint32_t> mesh_of_instance_;
     std::vector<glm::dmat4> world_from_recentred_;
     std::vector<std::uint8_t> mirrored_;
-    std::vector<std::uint32_t> first_albedo_, albedo_count_;
-    std::vector<glm::vec4> albedo_values_;  ///< as they were sent
     std::vector<Bounds> instance_bounds_ws_;
 
     VertexArray vertex_array_;
-    StorageBuffer positions_, indices_, normals_, materials_, albedos_, instance_indices_, commands_;
+    StorageBuffer positions_, indices_, instance_indices_, commands_;
 };
 
 }  // namespace penumbra

@@ -232,18 +232,18 @@ PenumbraMask::Options PenumbraMask::options_from(const Settings& settings) {
             .test = get_choice(settings, "mask_test") == "depth" ? Test::Depth : Test::Edges};
 }
 
-bool PenumbraMask::plan(const LightSummary& summary, Plan& plan) {
+bool PenumbraMask::plan(const LightSummary& summary, Plan& plan, std::string_view step) {
     const LightSummary::Trivial trivial = summary.trivial();
     if (!trivial.reason.empty()) {
-        plan.leave_out(std::string{kStep}, trivial.rule, trivial.reason);
+        plan.leave_out(std::string{step}, trivial.rule, trivial.reason);
         return false;
     }
     if (!summary.has_extent && !summary.keeps("mask-without-penumbra")) {
-        plan.leave_out(std::string{kStep}, "mask-without-penumbra",
+        plan.leave_out(std::string{step}, "mask-without-penumbra",
                        "the light has no extent, so no pixel lies in a penumbra");
         return false;
     }
-    plan.run(std::string{kStep});
+    plan.run(std::string{step});
     return true;
 }
 

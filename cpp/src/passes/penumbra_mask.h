@@ -41,9 +41,9 @@ public:
     [[nodiscard]] static std::vector<SettingInfo> settings();
     [[nodiscard]] static Options options_from(const Settings& settings);
 
-    /// Step `penumbra mask`, run or left out.
+    /// The step that finds penumbrae, run or left out: the maps' own, or another's in their place.
     /// @return false if nothing is to be classified: the reason is in the plan
-    static bool plan(const LightSummary& summary, Plan& plan);
+    static bool plan(const LightSummary& summary, Plan& plan, std::string_view step = "penumbra mask");
 
     void prepare(Frame& frame);
     /// Light space: maps.

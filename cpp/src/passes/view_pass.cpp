@@ -1,6 +1,7 @@
 #include "passes/view_pass.h"
 
-#include <numeric>
+#include "geometry/seen_surfaces.h"
+#include "passes/receiver_texel.h"
 
 namespace penumbra {
 
@@ -62,28 +63,20 @@ void ViewPass::allocate(int width_px, int height_px) {
     }
     ids_ = TextureImage::make_2d(GL_RG32UI, width_px, height_px, "view ids");
     depth_ = TextureImage::make_2d(GL_DEPTH32F_STENCIL8, width_px, height_px, "view depth");
-    position_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view position");
-    normal_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view normal");
-    shading_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view shading normal");
-    albedo_ = TextureImage::make_2d(GL_RGBA32F, width_px, height_px, "view albedo");
     receiver_ = TextureImage::make_2d(GL_RGBA32UI, width_px, height_px, "view receiver");
     ids_target_ = RenderTarget{"view ids"};
     ids_target_.attach_colour(0, ids_);
     ids_target_.attach_depth(depth_);
-    surface_target_ = RenderTarget{"view surface"};
-    surface_target_.attach_colour(0, position_);
-    surface_target_.attach_colour(1, normal_);
-    surface_target_.attach_colour(2, shading_);
-    surface_target_.attach_colour(3, albedo_);
-    surface_target_.attach_colour(4, receiver_);
+    const auto pixels = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+    seen_.resize(pixels);
+    receivers_.resize(pixels);
 }
 
-void ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, FullscreenPass& fullscreen) {
+View ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, Control& control) {
     const Camera& camera = scene.camera;
     allocate(camera.width_px, camera.height_px);
-    eye_ws_ = glm::dvec3{camera.world_from_camera[3]};
 
-    const auto relative = gpu_scene.relative_to(eye_ws_);
+    const auto relative = gpu_scene.relative_to(glm::dvec3{camera.world_from_camera[3]});
     instances_.replace(std::span<const gpu::InstanceBlock>{relative});
     std::vector<std::uint32_t> seen;
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
@@ -110,61 +103,16 @@ void ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, F
     glDisable(GL_DEPTH_CLAMP);
     check_gl("view ids");
 
-    const auto exact = gpu_scene.exact_relative_to(eye_ws_);
-    exact_instances_.replace(std::span<const gpu::InstanceExact>{exact});
-    const Program& resolve = device.programs.get({"lib/fullscreen.vert", "passes/view_resolve.frag"});
-    const double aspect = camera.height_px * camera.pixel_aspect / camera.width_px;
-    const double half_width = camera.orthographic ? camera.half_width_m : camera.tan_half_width;
-    const glm::dvec2 half{half_width, half_width * aspect};
-    const glm::dvec2 size{camera.width_px, camera.height_px};
-    const glm::dvec2 step = 2.0 * half / size;
-    const glm::dvec2 first = -half + step * (glm::dvec2{0.5} + camera.pixel_offset) + 2.0 * half_width * camera.shift;
-    resolve.set("right", glm::dvec3{camera.world_from_camera[0]});
-    resolve.set("up", glm::dvec3{camera.world_from_camera[1]});
-    resolve.set("forward", -glm::dvec3{camera.world_from_camera[2]});
-    resolve.set("window", glm::dvec4{first, step});
-    resolve.set("orthographic", camera.orthographic);
-    exact_instances_.bind_storage(0);
-    gpu_scene.bind_surface_data();
-    ids_.bind(0);
-    fullscreen.draw(surface_target_, resolve);
-    check_gl("view surface");
-}
-
-View ViewPass::read() const {
-    View view;
-    view.width = ids_.width();
-    view.height = ids_.height();
-    view.eye_ws = eye_ws_;
-    const auto xyz = [](const TextureImage& texture) {
-        const auto texels = texture.read<glm::vec4>();
-        std::vector<glm::vec3> values(texels.size());
-        for (std::size_t i = 0; i < texels.size(); ++i) {
-            values[i] = glm::vec3{texels[i]};
-        }
-        return values;
-    };
-    const auto position = position_.read<glm::vec4>();
-    view.position_cr.resize(position.size());
-    view.normal_ws = xyz(normal_);
-    view.shading_normal_ws = xyz(shading_);
-    view.albedo = xyz(albedo_);
-    const auto ids = ids_.read<glm::uvec2>();
-    view.instance.resize(ids.size());
-    view.triangle.resize(ids.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-        // A zero-area triangle can be rasterised but has no surface: nothing is seen there.
-        const bool hit = position[i].w > 0.0F;
-        view.position_cr[i] = glm::vec3{position[i]};
-        view.instance[i] = hit ? static_cast<std::int32_t>(ids[i].x) - 1 : -1;
-        view.triangle[i] = hit ? static_cast<std::int32_t>(ids[i].y) : -1;
-    }
+    ids_.read_into(std::span{seen_});
+    View view = place_surfaces(scene, seen_, control);
+    receiver_texels(view, receivers_, control);
+    receiver_.upload(std::span<const glm::uvec4>{receivers_});
+    check_gl("view receiver");
     return view;
 }
 
 std::size_t ViewPass::memory_bytes() const noexcept {
-    return ids_.bytes() + depth_.bytes() + position_.bytes() + normal_.bytes() + shading_.bytes() + albedo_.bytes() +
-           receiver_.bytes();
+    return ids_.bytes() + depth_.bytes() + receiver_.bytes();
 }
 
 }  // namespace penumbra

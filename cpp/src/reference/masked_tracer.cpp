@@ -26,6 +26,8 @@ namespace {
 constexpr std::uint32_t kFirstStream = 3;
 constexpr std::uint32_t kBoardStream = 4;
 constexpr std::uint32_t kFineStream = 5;
+constexpr std::uint32_t kPilotStream = 6;
+constexpr int kPilotStrata = 16;  // of the light: as many as a 4 x 4 block has pixels
 constexpr int kTilesPerPiece = 4;
 constexpr int kOpenRadius = 2;  // pixels
 /// Of V, per pixel: the penumbra is narrower than seven pixels, and its ends bend the plane.
@@ -369,7 +371,71 @@ private:
     bool interleaved_ = false;  ///< first rays that will be shared
 };
 
+/// Least and most V of the listed pixels in each column of a window; 1 and 0 where there are none.
+struct Extremes {
+    std::vector<float> least, most;
+    explicit Extremes(std::size_t columns) : least(columns), most(columns) {}
+};
+
+/// Of the rows up to kPilotRadius away from y.
+void extremes_of_columns(const View& view, std::span<const std::uint8_t> listed, std::span<const float> visibility,
+                         int y, Extremes& out) {
+    std::ranges::fill(out.least, 1.0F);
+    std::ranges::fill(out.most, 0.0F);
+    const auto width = static_cast<std::size_t>(view.width);
+    for (int row = std::max(0, y - kPilotRadius); row <= std::min(view.height - 1, y + kPilotRadius); ++row) {
+        const std::size_t first = static_cast<std::size_t>(row) * width;
+        for (std::size_t x = 0; x < width; ++x) {
+            const bool counts = listed[first + x] != 0;
+            out.least[x] = std::min(out.least[x], counts ? visibility[first + x] : 1.0F);
+            out.most[x] = std::max(out.most[x], counts ? visibility[first + x] : 0.0F);
+        }
+    }
+}
+
 }  // namespace
+
+std::vector<std::uint8_t> find_penumbrae(const RayScene& rays, const View& view, const Light& light,
+                                         std::span<const std::uint8_t> listed, std::uint32_t seed,
+                                         std::span<float> visibility, Control& control) {
+    PENUMBRA_ASSERT(listed.size() == view.size() && visibility.size() == view.size());
+    const LightPoints points{light, rays.frame()};
+    // The lanes of a packet are a block of pixels, and each lane has a stratum of its own.
+    const Cells cells =
+        make_cells(SamplePattern::Stratified, false, kPilotStrata, 0, kPilotStrata, points.one_dimensional());
+    for_tiles(
+        rays, view, points, listed, seed, kPilotStream, control,
+        [&](TileTracer& tracer, const TileReceivers& receivers) { tracer.trace_one(receivers, cells, visibility); });
+    std::vector<std::uint8_t> open(view.size(), 0);
+    const auto width = static_cast<std::size_t>(view.width);
+    const auto open_in_row = [&](int y, Extremes& of_columns) {
+        extremes_of_columns(view, listed, visibility, y, of_columns);
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t i = static_cast<std::size_t>(y) * width + x;
+            if (listed[i] != 0) {
+                const std::size_t first = x - std::min<std::size_t>(x, kPilotRadius);
+                const std::size_t last = std::min(width - 1, x + kPilotRadius);
+                float least = 1.0F;
+                float most = 0.0F;
+                for (std::size_t column = first; column <= last; ++column) {
+                    least = std::min(least, of_columns.least[column]);
+                    most = std::max(most, of_columns.most[column]);
+                }
+                open[i] = least < most ? 1 : 0;
+            }
+        }
+    };
+    parallel_for(
+        view.height, 8,
+        [&](std::int64_t begin, std::int64_t end) {
+            Extremes of_columns{width};
+            for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+                open_in_row(y, of_columns);
+            }
+        },
+        control);
+    return open;
+}
 
 MaskedTraceCounts trace_masked(const RayScene& rays, const View& view, const Light& light,
                                std::span<const std::uint8_t> listed, const MaskedTraceOptions& options,

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "geometry/radiometry.h"
+#include "geometry/seen_surfaces.h"
 #include "gl/render_thread.h"
 #include "passes/asked_pixels.h"
 #include "passes/field_of_use.h"
@@ -83,7 +84,7 @@ public:
         ViewPass view_pass;
         std::shared_ptr<const Scene> scene = std::make_shared<const Scene>();
         bool sent = false;  ///< the scene's instances are those of gpu_scene
-        std::shared_ptr<const View> view;
+        std::shared_ptr<View> view;
         double view_ms = 0.0;
         std::unique_ptr<RayScene> ray_scene;
         std::map<std::pair<std::size_t, Keep>, LightSummary> summaries;
@@ -96,20 +97,22 @@ public:
     };
     std::unique_ptr<State> state_;
 
-    void render_view(Device& device) {
+    View render_view(Device& device, Control& control) {
         State& s = *state_;
-        s.clock.begin("view");
-        s.view_pass.render(device, s.gpu_scene, *s.scene, s.fullscreen);
-        s.clock.end();
-        s.view_ms = s.clock.collect().back().ms;
+        glFinish();
+        const auto started = Clock::now();
+        View view = s.view_pass.render(device, s.gpu_scene, *s.scene, control);
+        glFinish();
+        s.view_ms = ms_since(started);
         ++s.work.views;
+        return view;
     }
 
-    const View& view(Device& device) {
+    /// Without shading normals and albedo, unless somebody asked for them.
+    const View& view(Device& device, Control& control) {
         State& s = *state_;
         if (!s.view) {
-            render_view(device);
-            s.view = std::make_shared<const View>(s.view_pass.read());
+            s.view = std::make_shared<View>(render_view(device, control));
             const Camera& camera = s.scene->camera;
             if (!s.visibility || s.visibility.width() != camera.width_px || s.visibility.height() != camera.height_px) {
                 s.visibility = TextureImage::make_2d(GL_R32F, camera.width_px, camera.height_px, "visibility");
@@ -118,6 +121,12 @@ public:
             }
         }
         return *s.view;
+    }
+
+    std::shared_ptr<const View> shaded_view(Device& device, Control& control) {
+        static_cast<void>(view(device, control));
+        shade_surfaces(*state_->scene, *state_->view, control);
+        return state_->view;
     }
 
     [[nodiscard]] const Light& light(std::size_t index) const {
@@ -129,15 +138,15 @@ public:
         return lights[index];
     }
 
-    const LightSummary& summary(Device& device, std::size_t index, const Keep& keep) {
+    const LightSummary& summary(Device& device, std::size_t index, const Keep& keep, Control& control) {
         State& s = *state_;
         const Light& chosen = light(index);
         const auto key = std::pair{index, keep};
         auto found = s.summaries.find(key);
         if (found == s.summaries.end()) {
             found = s.summaries
-                        .emplace(key, summarise_light(*s.scene, view(device), chosen, s.gpu_scene.instance_bounds_ws(),
-                                                      keep))
+                        .emplace(key, summarise_light(*s.scene, view(device, control), chosen,
+                                                      s.gpu_scene.instance_bounds_ws(), keep))
                         .first;
             ++s.work.summaries;
         }
@@ -222,12 +231,12 @@ public:
 
     /// A frame handed over, if there is one of just this.
     [[nodiscard]] std::optional<VisibilityResult> kept_frame(Device& device, std::size_t light, const Job& job,
-                                                             const Keep& keep) {
+                                                             const Keep& keep, Control& control) {
         State& s = *state_;
         const auto started = Clock::now();
         const TechniqueInfo& info = make_technique(job.technique, job.settings)->info();
         const Settings settings = complete(info.id, info.settings, job.settings);
-        const std::string frame = frame_digest(job, settings, summary(device, light, keep), light);
+        const std::string frame = frame_digest(job, settings, summary(device, light, keep, control), light);
         const VisibilityResult* made = s.kept.find(frame, s.digests.of_all_casters(*s.scene), job.statistics);
         if (made == nullptr) {
             return std::nullopt;
@@ -257,8 +266,8 @@ public:
         if (const Verdict verdict = run->technique->supports(light(index)); !verdict) {
             throw InvalidSettings(info.id + " cannot serve light \"" + light(index).name + "\": " + verdict.reason);
         }
-        const View& seen = view(device);
-        const LightSummary& summarised = summary(device, index, keep);
+        const View& seen = view(device, control);
+        const LightSummary& summarised = summary(device, index, keep, control);
         run->plan = run->technique->plan(summarised);
         run->plan.warnings = outside_field(run->technique->field_of_use(), summarised);
         if (runs_anything(run->plan) && !leaves_out(run->plan, "pixel-outside-mask")) {
@@ -381,8 +390,7 @@ WorkDone Renderer::work() const {
 std::shared_ptr<const View> Renderer::view(Control& control) {
     return impl_->thread_.run([&](Device& device) {
         control.check();
-        static_cast<void>(impl_->view(device));
-        return impl_->state_->view;
+        return impl_->shaded_view(device, control);
     });
 }
 
@@ -393,14 +401,14 @@ double Renderer::view_ms() const noexcept {
 std::vector<std::uint8_t> Renderer::mask(std::size_t light, Control& control) {
     return impl_->thread_.run([&](Device& device) {
         control.check();
-        return impl_->summary(device, light, false).mask;
+        return impl_->summary(device, light, false, control).mask;
     });
 }
 
 LightReport Renderer::light_report(std::size_t light, bool keep_everything, Control& control) {
     return impl_->thread_.run([&](Device& device) {
         control.check();
-        const LightSummary& summary = impl_->summary(device, light, keep_everything);
+        const LightSummary& summary = impl_->summary(device, light, keep_everything, control);
         const LightSummary::Trivial trivial = summary.trivial();
         return LightReport{.lit_pixels = summary.lit_pixels,
                            .pixels = summary.mask.size(),
@@ -432,7 +440,7 @@ std::vector<VisibilityResult> Renderer::visibility(std::span<const std::size_t> 
             control.check();
             std::optional<VisibilityResult> kept;
             if (job.reuse) {
-                kept = impl_->kept_frame(device, lights[i], job, keep);
+                kept = impl_->kept_frame(device, lights[i], job, keep, control);
             }
             if (kept) {
                 results[i] = std::move(*kept);
@@ -446,7 +454,7 @@ std::vector<VisibilityResult> Renderer::visibility(std::span<const std::size_t> 
                 continue;
             }
             control.check();
-            const LightSummary& summarised = impl_->summary(device, lights[i], keep);
+            const LightSummary& summarised = impl_->summary(device, lights[i], keep, control);
             results[i] = impl_->visibility(*runs[i], summarised, job.statistics);
             check_gl("statistics of " + job.technique);
             ++impl_->state_->work.frames;
@@ -511,7 +519,7 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
                               "; give finite seconds from 0 on");
     }
     return impl_->thread_.run([&](Device& device) {
-        static_cast<void>(impl_->view(device));
+        static_cast<void>(impl_->view(device, control));
         Control inner = Control::within(control);  // what a single frame has done is no progress of the measuring
         std::vector<std::unique_ptr<Impl::Run>> runs;
         std::vector<std::map<std::string, std::vector<double>>> steps(jobs.size());
@@ -525,9 +533,9 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
             Job job = jobs[i];
             job.statistics = false;
             const auto started = Clock::now();
-            if (!impl_->kept_frame(device, light, job, keep)) {
-                impl_->keep_frame(job, *runs[i], impl_->summary(device, light, keep), light,
-                                  impl_->visibility(*runs[i], impl_->summary(device, light, keep), false));
+            if (!impl_->kept_frame(device, light, job, keep, inner)) {
+                const LightSummary& summarised = impl_->summary(device, light, keep, inner);
+                impl_->keep_frame(job, *runs[i], summarised, light, impl_->visibility(*runs[i], summarised, false));
             }
             return ms_since(started);
         };
@@ -539,7 +547,7 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
             timed.emplace_back([&, i] { return hand_over(i); });
         }
         timed.emplace_back([&] {
-            impl_->render_view(device);
+            static_cast<void>(impl_->render_view(device, inner));
             return impl_->state_->view_ms;
         });
         for (const auto& run : runs) {  // every map exists before the first static frame is measured
@@ -567,7 +575,7 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
 
 Reference Renderer::reference(std::size_t light, const ReferenceOptions& options, Control& control) {
     return impl_->thread_.run([&](Device& device) {
-        const View& view = impl_->view(device);
+        const View& view = *impl_->shaded_view(device, control);
         if (options.method == ReferenceMethod::Exact) {
             return exact_reference(*impl_->state_->scene, view, impl_->light(light), control);
         }
@@ -578,7 +586,7 @@ Reference Renderer::reference(std::size_t light, const ReferenceOptions& options
 
 std::vector<glm::vec3> Renderer::irradiance(std::size_t light, Control& control) {
     return impl_->thread_.run([&](Device& device) {
-        const View& view = impl_->view(device);
+        const View& view = *impl_->shaded_view(device, control);
         const Light& chosen = impl_->light(light);
         std::vector<glm::vec3> result(view.size(), glm::vec3{0.0F});
         parallel_for(

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "geometry/seen_surfaces.h"
 #include "passes/view_pass.h"
 #include "support/scenes.h"
 #include "support/skip.h"
@@ -24,9 +25,10 @@ protected:
             GpuScene gpu_scene;
             gpu_scene.update(scene);
             ViewPass pass;
-            FullscreenPass fullscreen;
-            pass.render(device, gpu_scene, scene, fullscreen);
-            return pass.read();
+            Control control;
+            View view = pass.render(device, gpu_scene, scene, control);
+            shade_surfaces(scene, view, control);
+            return view;
         });
     }
     std::optional<RenderThread> thread_;
@@ -215,9 +217,8 @@ TEST_F(ViewGl, UpdatingOnlyATransformSendsNoGeometry) {
         scene.instances[0].world_from_local[3].z = 1.0;
         const bool again = gpu_scene.update(scene);
         ViewPass pass;
-        FullscreenPass fullscreen;
-        pass.render(device, gpu_scene, scene, fullscreen);
-        return std::tuple{sent, again, pass.read().position_cr[0].z};
+        Control control;
+        return std::tuple{sent, again, pass.render(device, gpu_scene, scene, control).position_cr[0].z};
     });
     EXPECT_TRUE(first);
     EXPECT_FALSE(second);

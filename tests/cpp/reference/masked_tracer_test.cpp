@@ -246,6 +246,69 @@ TEST(MaskedTracer, AHardEdgeIsNotBlurredBySharing) {
     }
 }
 
+std::vector<std::uint8_t> open_pixels(const View& view, std::span<const std::uint8_t> listed, const Light& light,
+                                      std::vector<float>& visibility) {
+    Control control;
+    const Scene scene = half_plane();
+    const RayScene rays{scene, control};
+    return find_penumbrae(rays, view, light, listed, 1, visibility, control);
+}
+
+TEST(PilotRays, HoldAllOfAPenumbraAndLittleElse) {
+    const View view = ramp(64);
+    std::vector<float> visibility(view.size(), -1.0F);
+    const std::vector<std::uint8_t> listed(view.size(), 1);
+    const auto open = open_pixels(view, listed, test::rectangle({0, 0, 2}, 0.5, 0.25), visibility);
+    int in_ends = 0;
+    int missed = 0;
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        const double v = -0.5 + 2.0 * (static_cast<double>(i % kWidth) + 0.5) / kWidth;  // not clamped
+        const double window = 2.0 * kPilotRadius / kWidth;
+        if (v < -window || v > 1.0 + window) {
+            EXPECT_EQ(open[i], 0) << v;
+            EXPECT_EQ(visibility[i], v > 0.5 ? 1.0F : 0.0F);
+        }
+        // One column of strata is surely seen and one surely hidden, and each window has pixels of both.
+        if (v > 0.25 && v < 0.75) {
+            EXPECT_EQ(open[i], 1) << v;
+        }
+        // Nearer to the ends a window has six pixels or more that can tell, at 1 - 4 V in the worst case: by chance.
+        in_ends += (v > 0.1 && v <= 0.25) || (v >= 0.75 && v < 0.9) ? 1 : 0;
+        missed += ((v > 0.1 && v <= 0.25) || (v >= 0.75 && v < 0.9)) && open[i] == 0 ? 1 : 0;
+    }
+    EXPECT_GT(in_ends, 300);
+    EXPECT_LT(missed, 0.05 * in_ends);  // 0.6^6
+}
+
+TEST(PilotRays, LookAtListedPixelsAlone) {
+    const View view = ramp(8);
+    std::vector<float> visibility(view.size(), -1.0F);
+    std::vector<std::uint8_t> listed(view.size(), 0);
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        listed[i] = ramp_v(i) == 1.0 ? 1 : 0;  // the dark and the half dark ones are not asked
+    }
+    const auto open = open_pixels(view, listed, test::rectangle({0, 0, 2}, 0.5, 0.25), visibility);
+    for (std::size_t i = 0; i < view.size(); ++i) {
+        EXPECT_EQ(open[i], 0);
+        EXPECT_EQ(visibility[i], listed[i] != 0 ? 1.0F : -1.0F);
+    }
+}
+
+TEST(PilotRays, DoNotDependOnTheNumberOfThreads) {
+    const View view = ramp(32);
+    const std::vector<std::uint8_t> listed(view.size(), 1);
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.25);
+    std::vector<float> one(view.size());
+    std::vector<float> five(view.size());
+    set_thread_count(1);
+    const auto open_one = open_pixels(view, listed, light, one);
+    set_thread_count(5);
+    const auto open_five = open_pixels(view, listed, light, five);
+    set_thread_count(0);
+    EXPECT_EQ(one, five);
+    EXPECT_EQ(open_one, open_five);
+}
+
 TEST(MaskedTracer, LeavesAloneWhatIsNotListed) {
     Control control;
     const Scene scene = half_plane();

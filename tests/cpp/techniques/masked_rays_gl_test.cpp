@@ -139,6 +139,24 @@ TEST_P(MaskedRaysLights, EqualsRayTracedWithinItsNoise) {
     EXPECT_LT(rmse(masked, traced), 0.010);
 }
 
+TEST_P(MaskedRaysLights, RaysInPlaceOfMapsFindTheSamePenumbraeButForAFewFinePixels) {
+    const Scene scene = garden(light_of(GetParam().kind, GetParam().size));
+    renderer().set_scene(scene);
+    const VisibilityResult result =
+        renderer().visibility(0, {"masked_rays", {{"mask_by", std::string{"rays"}}}}, false, control_);
+    EXPECT_TRUE(result.plan.runs("pilot rays"));
+    EXPECT_EQ(std::ranges::find(result.plan.steps, "penumbra mask", &Step::name), result.plan.steps.end());
+    std::map<std::string, double> told;
+    for (const Statistic& statistic : result.statistics) {
+        told[statistic.id] = statistic.value;
+    }
+    EXPECT_NEAR(told.at("mask_lit") + told.at("mask_umbra") + told.at("mask_maybe"), 1.0, 1e-9);
+    EXPECT_GT(told.at("mask_maybe"), 0.0);
+    // Wires and blades are thinner than a pixel's part of the light; nothing else can be missed.
+    EXPECT_LT(told.at("mask_wrong"), 0.01);
+    EXPECT_LT(rmse(result.visibility, visibility(scene, "ray_traced", {{"rays", 256}})), 0.013);
+}
+
 // The sure pixels take what the light's centre sees, which a map of their own decides; the others are the same to the
 // bit. What differs are texels at contacts, where the sampled maps leak or darken.
 TEST_P(MaskedRaysLights, LightSamplesUnderTheMaskDifferAtNoPixelThatMayBeInAPenumbra) {
@@ -284,6 +302,10 @@ TEST_F(MaskedRaysGl, ALightWithoutExtentHasNoMaskAndOneRay) {
     const VisibilityResult result = renderer().visibility(0, {"masked_rays", {}}, false, control_);
     EXPECT_FALSE(result.plan.runs("penumbra mask"));
     EXPECT_EQ(result.visibility, visibility(garden(point_light({0.3, -0.2, 4.0}, 0.0)), "ray_traced"));
+    const VisibilityResult by_rays =
+        renderer().visibility(0, {"masked_rays", {{"mask_by", std::string{"rays"}}}}, false, control_);
+    EXPECT_FALSE(by_rays.plan.runs("pilot rays"));
+    EXPECT_EQ(by_rays.visibility, result.visibility);
 }
 
 }  // namespace

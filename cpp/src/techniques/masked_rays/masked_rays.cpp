@@ -10,8 +10,20 @@ namespace penumbra {
 
 namespace {
 
+constexpr std::string_view kPilot = "pilot rays";
+
 std::vector<SettingInfo> masked_rays_settings() {
     std::vector<SettingInfo> settings = PenumbraMask::settings();
+    settings.push_back({.id = "mask_by",
+                        .label = "Mask by",
+                        .unit = "",
+                        .help = "What finds the penumbrae: maps, which miss none, or one ray of each pixel, which is "
+                                "faster where maps are dear to draw and may miss what is fine.",
+                        .default_value = std::string{"maps"},
+                        .minimum = 0,
+                        .maximum = 0,
+                        .choices = {"maps", "rays"},
+                        .sweep = {std::string{"rays"}, std::string{"maps"}}});
     settings.push_back(
         {.id = "rays",
          .label = "Rays",
@@ -86,6 +98,7 @@ MaskedRays::MaskedRays(const Settings& settings)
                .share = get_int(settings, "share"),
                .seed = static_cast<std::uint32_t>(get_int(settings, "seed"))},
       check_rays_{get_int(settings, "check_rays")},
+      by_rays_{get_choice(settings, "mask_by") == "rays"},
       mask_{PenumbraMask::options_from(settings)} {}
 
 Verdict MaskedRays::supports(const Light& /*light*/) const {
@@ -95,7 +108,11 @@ Verdict MaskedRays::supports(const Light& /*light*/) const {
 Plan MaskedRays::plan(const LightSummary& summary) const {
     Plan plan;
     const LightSummary::Trivial trivial = summary.trivial();
-    PenumbraMask::plan(summary, plan);
+    if (by_rays_) {
+        PenumbraMask::plan(summary, plan, kPilot);
+    } else {
+        PenumbraMask::plan(summary, plan);
+    }
     if (!trivial.reason.empty()) {
         plan.leave_out("rays", trivial.rule, trivial.reason);
         return plan;
@@ -124,12 +141,12 @@ void MaskedRays::update(Frame& frame) {
 void MaskedRays::resolve(Frame& frame) {
     mask_.classify(frame);
     const LightSummary& summary = frame.summary();
+    std::vector<float>& visibility = frame.visibility_on_cpu();
+    classes_.assign(visibility.size(), 0);
+    frame.step(kPilot, [&] { look_with_rays(frame); });
     frame.step("rays", [&] {
-        std::vector<float>& visibility = frame.visibility_on_cpu();
         // A light without extent has no mask: one ray each.
-        const bool masked = frame.plan().runs("penumbra mask");
-        classes_.assign(visibility.size(), 0);
-        if (masked) {
+        if (frame.plan().runs("penumbra mask")) {
             mask_.read_classes(classes_);
         }
         std::vector<std::uint8_t> listed(visibility.size());
@@ -141,7 +158,21 @@ void MaskedRays::resolve(Frame& frame) {
         }
         counts_ =
             trace_masked(frame.ray_scene(), frame.view(), frame.light(), listed, options_, visibility, frame.control());
+        counts_.rays += pilot_rays_;
     });
+}
+
+void MaskedRays::look_with_rays(Frame& frame) {
+    const std::vector<std::uint8_t>& asked = frame.summary().mask;
+    std::vector<float>& visibility = frame.visibility_on_cpu();
+    const std::vector<std::uint8_t> open = find_penumbrae(frame.ray_scene(), frame.view(), frame.light(), asked,
+                                                          options_.seed, visibility, frame.control());
+    pilot_rays_ = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        const auto sure = visibility[i] > 0.0F ? PenumbraMask::Class::Lit : PenumbraMask::Class::Umbra;
+        classes_[i] = static_cast<std::uint8_t>(open[i] != 0 ? PenumbraMask::Class::Maybe : sure);
+        pilot_rays_ += asked[i] != 0 ? 1 : 0;
+    }
 }
 
 std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
@@ -149,7 +180,7 @@ std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
         return {};
     }
     std::vector<Statistic> all;
-    if (frame.plan().runs("penumbra mask")) {
+    if (frame.plan().runs("penumbra mask") || frame.plan().runs(kPilot)) {
         all = PenumbraMask::statistics(frame.summary(), classes_);
         if (check_rays_ > 0) {
             all.push_back(wrongly_sure(frame));

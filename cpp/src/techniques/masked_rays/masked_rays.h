@@ -33,11 +33,16 @@ private:
     /// Sure pixels whose rays say otherwise.
     [[nodiscard]] Statistic wrongly_sure(Frame& frame) const;
 
+    /// Classes by a ray of each pixel.
+    void look_with_rays(Frame& frame);
+
     MaskedTraceOptions options_;
     int check_rays_;
+    bool by_rays_;
     PenumbraMask mask_;
     std::vector<std::uint8_t> classes_;
     MaskedTraceCounts counts_;
+    std::uint64_t pilot_rays_ = 0;
 };
 
 }  // namespace penumbra
