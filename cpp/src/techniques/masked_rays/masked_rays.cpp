@@ -33,7 +33,7 @@ std::vector<SettingInfo> masked_rays_settings() {
          .minimum = 1,
          .maximum = 65536,
          .choices = {},
-         .sweep = {16, 64, 256, 1024, 4096}});
+         .sweep = {8, 16, 64, 256, 1024, 4096}});
     settings.push_back(
         {.id = "first_rays",
          .label = "First rays",
@@ -53,7 +53,7 @@ std::vector<SettingInfo> masked_rays_settings() {
                         .minimum = 0,
                         .maximum = 8,
                         .choices = {},
-                        .sweep = {2, 0}});
+                        .sweep = {1, 0}});
     settings.push_back({.id = "check_rays",
                         .label = "Check rays",
                         .unit = "rays",
