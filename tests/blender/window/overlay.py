@@ -109,7 +109,8 @@ def split(answer: dict[str, Any]) -> None:
     """Two viewports side by side, both with the whole scene."""
     chosen = bpy.context.window_manager.penumbra_overlay
     chosen.left, chosen.right, chosen.wipe = "A", "B", 0.5
-    viewport_of()[1].show_region_ui = False
+    space = viewport_of()[1]
+    space.show_region_ui = space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
     operate(bpy.ops.screen.area_split, direction="VERTICAL", factor=0.5)
 
 
