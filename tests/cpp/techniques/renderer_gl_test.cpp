@@ -65,19 +65,21 @@ TEST_F(RendererContract, TooLargeAMapIsASentence) {
     EXPECT_EQ(renderer().visibility(0, {"shadow_map", {}}, false, control_).visibility.size(), 128U * 16U);
 }
 
-TEST_F(RendererContract, CancelStopsALongReferenceWithinASecond) {
+TEST_F(RendererContract, CancelStopsALongReferenceWhileMostOfItIsStillToDo) {
     Scene scene = edge();
     scene.camera = scenes::camera_from_above(0.3, 512, 512);
     renderer().set_scene(scene);
     Control control;
     std::thread canceller([&] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        // By progress and not by the clock: under ThreadSanitizer on a busy machine the view alone takes seconds.
+        while (control.progress() == 0.0F) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
         control.cancel();
     });
-    const auto started = std::chrono::steady_clock::now();
     EXPECT_THROW(static_cast<void>(renderer().reference(0, {.standard_error = 1e-5}, control)), Cancelled);
     canceller.join();
-    EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::milliseconds(1300));
+    EXPECT_LT(control.progress(), 0.5F);
 }
 
 TEST_F(RendererContract, TwoRenderersLiveSideBySide) {
