@@ -33,6 +33,9 @@ public:
 private:
     enum class Sheets { Envelope, Bilinear, Tessellated };
     enum class Store { Float, Byte, Depth };
+    /// Of slopes cut to tiles, on one plane; the rest stays whole.
+    static constexpr std::size_t kMostPieces = std::size_t{1} << 19U;
+    static constexpr int kLevels = 5;  ///< of covered_; every second one is used: cells of 4, 16 and 64 texels
 
     /// Planes, textures and what they hold: from view and light alone.
     struct Layout {
