@@ -134,7 +134,9 @@ def guide() -> Callable[..., Image.Image]:
         path = folder / f"blender-{name}.png"
         shown = whole
         while True:
-            for made in (shown, shown.quantize(256, dither=Image.Dither.NONE)):
+            # Coverage keeps the techniques' colours apart, few pixels as they have.
+            few = shown.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+            for made in (shown, few):
                 made.save(path, optimize=True)
                 if path.stat().st_size < LARGEST_PICTURE:
                     return whole
