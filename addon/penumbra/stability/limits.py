@@ -4,6 +4,7 @@ plan does about it. What is in no row here must hold as the case says.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -16,30 +17,36 @@ class Limit:
     techniques: tuple[str, ...]
     cases: tuple[str, ...]  # patterns as in file names
     property: str
-    bound: float
+    bound: float | str  # a figure; or the key of a closed form (closed_forms.FORMS), worked out for each case
     outcome: Outcome  # "bounded": the method's own error, within the figure; "known_limit": out of its field of use
     reason: str  # what is wrong, by how much, and where that is said
     warning: str = ""  # of the plan, which must say so: a part of its sentence
 
     def covers(self, technique: str, case: str, property_: str) -> bool:
-        return (
-            self.property == property_
-            and technique in self.techniques
-            and any(fnmatchcase(case, pattern) for pattern in self.cases)
-        )
+        """The whole picture is asked where a closed form says nothing of what was."""
+        asked = self.property == property_ or (property_ == "picture" and isinstance(self.bound, str))
+        return asked and technique in self.techniques and any(fnmatchcase(case, pattern) for pattern in self.cases)
+
+    def figure(self, measured: Measured) -> float:
+        """Up to where this limit goes; minus infinity where its form was not worked out, or says nothing."""
+        if isinstance(self.bound, str):
+            return measured.forms.get(self.bound, -math.inf)
+        return self.bound
 
 
 HARD = ("shadow_map", "shadow_volume", "hybrid", "pcf")
 OUTER = ("smoothies", "penumbra_maps", "plateaus")
 FACING = (*HARD, *OUTER, "linear_light_maps", "light_samples")
-EVERYONE = (*FACING, "ray_traced", "masked_rays")
 RAYS = ("ray_traced", "masked_rays")
 ALL = ("*",)
-AT_HORIZON = ("bulb-on-receiver", "light-in-receiver-plane", "sun-at-horizon", "grazing-0.01", "grazing-0.001")
+PENUMBRAE = ("penumbra", "umbra and light")
+AT_HORIZON = (
+    "bulb-on-receiver", "light-on-receiver", "light-in-receiver-plane", "sun-at-horizon", "grazing-*", "light-*-60m",
+)  # fmt: skip
 BESIDE = ("light-touches-caster", "light-through-caster", "light-in-caster", "bulb-in-caster", "light-on-receiver")
 DEEP = ("depths-*",)
 LARGE = ("light-*-6m", "light-*-60m")
-UNDER_A_PIXEL = ("light-rectangle-0.001m", "contact-0.01")
+THIN = ("vertex-1000-edges", "blades-10000")
 
 SAYS = "; the plan warns: "
 # What the plan says, by a part of its sentence (passes/field_of_use.cpp).
@@ -52,92 +59,85 @@ HORIZON = "lies under the surface's own plane"
 FLOAT32 = "rays in float32 miss it"
 
 
-def _bounded(techniques: tuple[str, ...], cases: tuple[str, ...], property_: str, bound: float, reason: str) -> Limit:
-    return Limit(techniques, cases, property_, bound, "bounded", reason)
+def _rows(
+    outcome: Outcome,
+    techniques: tuple[str, ...],
+    cases: tuple[str, ...],
+    bound: float | str,
+    reason: str,
+    warning: str = "",
+) -> tuple[Limit, ...]:
+    return tuple(Limit(techniques, cases, name, bound, outcome, reason, warning) for name in PENUMBRAE)
 
 
-def _outside(
-    techniques: tuple[str, ...], cases: tuple[str, ...], property_: str, bound: float, reason: str, warning: str = ""
-) -> Limit:
-    return Limit(techniques, cases, property_, bound, "known_limit", reason, warning)
-
+_HALF = (
+    "only the outer half of the penumbra is drawn, 0 at the hard edge where the truth is 1/2: RMSE 0.289 on a straight "
+    "edge (plateaus B1), 0.309 to 0.446 with the smoothstep (penumbra maps 3.2, receiver up to 4 times as deep)"
+)
+_HIDDEN = "what of the light lies under a surface's own plane counts as hidden without a look (facing_test)"
+_GRAZED = "; where light grazes more steeply than the bias is made for, acne is accepted (slope_cap)"
 
 LIMITS: tuple[Limit, ...] = (
-    # Penumbrae, one family after the other; the closer bound first.
-    _outside(HARD, ALL, "penumbra", 0.5,
-             "one point stands for the light: 0 or 1 where the truth lies between, at most 1/2 off where the centre is "
-             "seen exactly when half of the light is; 1/sqrt 12 = 0.289 on a straight edge (shadows 0.9)", ONE_POINT),
-    _outside(HARD, (*LARGE, *BESIDE, *AT_HORIZON, *DEEP, *UNDER_A_PIXEL), "penumbra", 1.0,
-             "the light's centre does not see what most of the light sees, or the penumbra is under a pixel wide and "
-             "the figure is that of a few pixels", ONE_POINT),
-    _bounded(OUTER, ALL, "penumbra", 0.446,
-             "only the outer half of the penumbra is drawn, 0 at the hard edge where the truth is 1/2: RMSE 0.289 on a "
-             "straight edge (plateaus B1), 0.309 to 0.446 with the smoothstep (penumbra maps 3.2, k up to 4)"),
-    _bounded(OUTER, ALL, "penumbra", 0.6,
-             "and at convex corners down to -0.77 for two edges each of which hides a half (penumbra maps 3.4 D)"),
-    _outside(OUTER, ALL, "penumbra", 1.0,
-             "the umbra never shrinks (plateaus B4, penumbra maps 3.4 B and C, smoothies 3): black where a light wider "
-             "than its caster leaves no umbra, down to -1", BLACK),
-    _outside(OUTER, ("light-line-*",), "penumbra", 1.0,
-             "the umbra never shrinks, and a long line leaves none of what it passes on both sides", LONG),
-    _outside(OUTER, (*BESIDE, *DEEP), "penumbra", 1.0,
-             "edges at the light are cut off before anything is divided by their depth (penumbra maps 4, plateaus 4, "
-             "smoothies 4: b/r -> 0)", AT_LIGHT),
-    _outside(OUTER, AT_HORIZON, "penumbra", 1.0,
-             "what of the light lies under a receiver's horizon counts as hidden", HORIZON),
-    _outside(OUTER, ("vertex-1000-edges", "blades-10000"), "penumbra", 1.0,
-             "thin wires, grass, particles: black, up to -1 (penumbra maps 3.4 C); no plan can tell them from boxes"),
-    _bounded(OUTER, UNDER_A_PIXEL, "penumbra", 1.0,
-             "a penumbra under a texel degrades to the hard edge (penumbra maps 4), and is a few pixels here"),
-    _bounded(("linear_light_maps",), ALL, "penumbra", 0.15,
-             "four lines or fewer stand for the light: edges along a line have no penumbra but that of the others, "
-             "and thick casters are too light by their jump (X5)"),
-    _outside(("linear_light_maps",), ALL, "penumbra", 0.3,
-             "one line stands for a round light: edges along it are hard, 1/sqrt 12 at worst", ONE_LINE),
-    _outside(("linear_light_maps",), (*BESIDE, *DEEP), "penumbra", 1.0,
-             "depths clamp at the near plane: no skin at a caster that the light touches", AT_LIGHT),
-    _outside(("linear_light_maps",), AT_HORIZON, "penumbra", 1.0,
-             "what of the light lies under a receiver's horizon counts as hidden", HORIZON),
-    _bounded(("linear_light_maps",), ("vertex-1000-edges", "blades-10000", *UNDER_A_PIXEL, "light-line-60m"),
-             "penumbra", 1.0, "several casters in one segment (X6, X7): off by all the light between them; casters of "
-             "a few texels may vanish"),
-    _bounded(("light_samples", *RAYS), ALL, "penumbra", 0.125,
-             "16 samples: 0.5/sqrt 16 at worst, 0.36 16^-0.75 = 0.045 on a straight edge"),
-    _outside(("light_samples",), AT_HORIZON, "penumbra", 1.0,
-             "what of the light lies under a receiver's horizon counts as hidden", HORIZON),
-    _outside(("light_samples",), (*BESIDE, *DEEP), "penumbra", 1.0,
-             "depths clamp at the near plane of each sample's map", AT_LIGHT),
-    _outside(("light_samples",), ("light-*-60m",), "penumbra", 0.3,
-             "a large part of the light lies under the horizon of faces that look aside; it counts as hidden", HORIZON),
-    _bounded(("light_samples",), ("blades-10000", *UNDER_A_PIXEL), "penumbra", 1.0,
-             "casters thinner than a texel are missed, bias errors do not average out (baselines 4)"),
-    _outside(RAYS, DEEP, "penumbra", 1.0,
-             "float32: contacts closer than 1e-6 of the scene's size are not told apart (ray tracing)", FLOAT32),
-    # Umbra and light.
-    _outside(RAYS, DEEP, "umbra and light", 1.0,
-             "float32: contacts closer than 1e-6 of the scene's size are not told apart (ray tracing)", FLOAT32),
-    _bounded(("pcf",), ALL, "umbra and light", 0.01,
-             "the kernel is as wide near a contact as far from it (baselines 3), wider than the margin of two pixels"),
-    _outside(FACING, AT_HORIZON, "umbra and light", 1.0,
-             "what of the light lies under a receiver's horizon counts as hidden without a look (facing_test), while "
-             "V is defined by casters alone; it adds nothing to the picture, its cosine being 0", HORIZON),
-    _outside(OUTER, ("light-line-*",), "umbra and light", 1.0,
-             "a penumbra is as wide along a silhouette's normal as the light is there, or as a disc of its mean "
-             "width; a long line throws it along itself alone", LONG),
-    _outside(("penumbra_maps",), BESIDE, "umbra and light", 1.0,
-             "a disc of equal area stands for the rectangle: a caster in the light's own plane cuts into the disc",
-             AT_LIGHT),
-    _bounded(EVERYONE, ("contact-ulp",), "umbra and light", 0.05,
-             "float32: at a few pixels the view cannot tell the plate from the ground one ulp below it and asks for "
-             "the ground's V, which lies within every method's bias (contacts closer than 1e-6 of the scene's size)"),
-    _bounded(("smoothies",), ("denormal-light",), "same image", 0.02,
-             "a light of any extent has smoothies, however narrow: as t -> 0 the 2 x 2 filtered hard map is left, not "
-             "the nearest texel's (smoothies 4, t = 0)"),
+    # Penumbrae, umbra and light, one family after the other; the closer bound first.
+    *_rows("known_limit", HARD, ALL, "hard",
+           "hard shadows have no penumbra: 0 or 1 where the truth lies between, as the light's centre is hidden or "
+           "seen; 1/sqrt 12 = 0.289 on a straight edge (shadows 0.9)", ONE_POINT),
+    *_rows("known_limit", HARD, AT_HORIZON, "hard, acne",
+           "hard shadows have no penumbra" + _GRAZED, HORIZON),
+    *_rows("bounded", OUTER, ALL, "straight", _HALF),
+    *_rows("known_limit", OUTER, LARGE, "outer",
+           "the umbra never shrinks (plateaus B4, penumbra maps 3.4 B and C, smoothies 3): black where a light wider "
+           "than its caster leaves no umbra", BLACK),
+    *_rows("known_limit", OUTER, ("light-line-*",), "outer",
+           "a penumbra is as wide along a silhouette's normal as the light is there, or as a disc of its mean width; "
+           "a long line throws it along itself alone", LONG),
+    *_rows("known_limit", OUTER, ("light-touches-caster", "light-through-caster", *DEEP), "outer",
+           "edges at the light are cut off before anything is divided by their depth (penumbra maps 4, plateaus 4, "
+           "smoothies 4: b/r -> 0); a disc of equal area reaches beyond the light's own sides", AT_LIGHT),
+    *_rows("known_limit", OUTER, AT_HORIZON, "outer, horizon", _HIDDEN, HORIZON),
+    *_rows("known_limit", OUTER, AT_HORIZON, "outer, acne", _HIDDEN + _GRAZED, HORIZON),
+    *_rows("bounded", OUTER, ALL, "outer",
+           "darker than on a straight edge at convex corners, down to -0.77 (penumbra maps 3.4 D), and black behind "
+           "what is thinner than the light (3.4 C); lighter in gaps and holes (plateaus B3); hard under a texel"),
+    *_rows("known_limit", ("linear_light_maps",), ALL, "one step",
+           "one line stands for a round light: edges along it are hard, as one step of a ramp", ONE_LINE),
+    *_rows("known_limit", ("linear_light_maps",), (*BESIDE, *DEEP), "one step",
+           "depths clamp at the near plane: no skin at a caster that the light touches, but its two ends' hard "
+           "shadows", AT_LIGHT),
+    *_rows("known_limit", ("linear_light_maps",), AT_HORIZON, "one step, horizon", _HIDDEN, HORIZON),
+    *_rows("known_limit", ("linear_light_maps",), AT_HORIZON, "one step, acne", _HIDDEN + _GRAZED, HORIZON),
+    *_rows("bounded", ("linear_light_maps",), ALL, "one step",
+           "where a skin is missing (several casters in one segment X6, X7, under a texel) the ends' hard shadows are "
+           "left"),
+    *_rows("bounded", ("linear_light_maps", "light_samples"), THIN, "hit or missed",
+           "a caster thinner than a texel is hit or missed as a whole, and one skin hides another (X7)"),
+    *_rows("bounded", ("light_samples", *RAYS), ALL, "sampled",
+           "so many points stand for the light: 0.5/sqrt n at worst, 0.36 n^-0.75 on a straight edge (baselines 6), "
+           "each with a map's texels"),
+    *_rows("known_limit", ("light_samples",), AT_HORIZON, "sampled, horizon", _HIDDEN, HORIZON),
+    *_rows("known_limit", ("light_samples",), AT_HORIZON, "sampled, acne", _HIDDEN + _GRAZED, HORIZON),
+    *_rows("known_limit", RAYS, DEEP, "missed",
+           "float32: a caster closer to the light than 1e-6 of the scene's size is not found", FLOAT32),
+    *_rows("known_limit", RAYS, DEEP, "not told apart",
+           "float32: a caster closer to the light than 1e-6 of the scene's size is as large as its rounding", FLOAT32),
+    *_rows("bounded", (*FACING, *RAYS), ("contact-ulp",), "missed",
+           "float32: the view cannot tell the plate from the ground one ulp below it, and at some pixels asks for the "
+           "ground's V; the plate is within every method's bias of it, and is missed"),
+    # Pictures that should be the same.
+    Limit(("smoothies",), ("denormal-light",), "same image", "filtered", "bounded",
+          "a light of any extent has smoothies, however narrow: as t -> 0 the 2 x 2 filtered hard map is left, not "
+          "the nearest texel's (smoothies 4, t = 0)"),
     # Convergence.
-    _bounded(("linear_light_maps",), ("more-samples",), "converges", 0.0,
-             "no rate is published: the error in a segment is its share 1/(N - 1) at most and falls where segments "
-             "are bad (X6), slowly for thick casters (X5)"),
+    Limit(("linear_light_maps",), ("more-samples",), "converges", 0.0, "bounded",
+          "no rate is published: the error in a segment is its share 1/(N - 1) at most and falls where segments are "
+          "bad (X6), slowly for thick casters (X5)"),
 )  # fmt: skip
+
+
+def forms_of(technique: str, case: str, property_: str) -> list[str]:
+    """The closed forms that a figure may be held against."""
+    named = (limit.bound for limit in LIMITS if limit.covers(technique, case, property_))
+    return list(dict.fromkeys(bound for bound in named if isinstance(bound, str)))
 
 
 def judge(technique: str, case: str, found: Iterable[Measured], warnings: Sequence[str] = ()) -> list[Row]:
@@ -153,14 +153,15 @@ def _judged(technique: str, case: str, measured: Measured, warnings: Sequence[st
     covering = [limit for limit in LIMITS if limit.covers(technique, case, name)]
     unsaid = []
     for limit in covering:
-        if not value <= limit.bound:
+        figure = limit.figure(measured)
+        if not value <= figure:
             continue
         said = [warning for warning in warnings if limit.warning in warning]
         if not limit.warning:
-            return Row(technique, case, name, value, limit.bound, limit.outcome, limit.reason)
+            return Row(technique, case, name, value, figure, limit.outcome, limit.reason)
         if said:
-            return Row(technique, case, name, value, limit.bound, limit.outcome, f'{limit.reason}{SAYS}"{said[0]}"')
+            return Row(technique, case, name, value, figure, limit.outcome, f'{limit.reason}{SAYS}"{said[0]}"')
         unsaid.append(limit.warning)
-    bound = max([measured.bound, *(limit.bound for limit in covering if limit.warning not in unsaid)])
+    bound = max([measured.bound, *(limit.figure(measured) for limit in covering if limit.warning not in unsaid)])
     missing = "".join(f', and the plan does not warn "{text}"' for text in dict.fromkeys(unsaid))
     return Row(technique, case, name, value, bound, "violated", f"{value:.4g} is above {bound:.4g}{missing}")

@@ -16,6 +16,8 @@ Mask = npt.NDArray[np.uint8]
 
 VISIBLE_STEP = 0.02
 """A change of V that is told from rounding: five steps of an 8-bit picture."""
+MARGIN_PX = 2
+"""So far from a border of the truth a pixel is well inside umbra or light."""
 PURE = 1e-4
 """Below it, and as far below 1, the truth is umbra and lit: core.measure_errors draws the line there."""
 
@@ -80,7 +82,7 @@ def error(image: Image, truth: Image, mask: Mask) -> float:
     return rms_difference(image, truth, mask)
 
 
-def wrong_elsewhere(image: Image, truth: Image, mask: Mask, margin_px: int = 2) -> float:
+def wrong_elsewhere(image: Image, truth: Image, mask: Mask, margin_px: int = MARGIN_PX) -> float:
     """Share of the pixels well inside umbra and light that are visibly wrong."""
     return share_changed(image, truth, away_from_edges(truth, mask, margin_px).astype(np.uint8))
 
@@ -110,7 +112,7 @@ def rate(costs: Sequence[float], errors: Sequence[float], floor: float = 1e-5) -
     return float((x * (y - y.mean())).sum() / (x * x).sum())
 
 
-def pops(images: Sequence[Image], truths: Sequence[Image], steady: Sequence[Mask], margin_px: int = 2) -> float:
+def pops(images: Sequence[Image], truths: Sequence[Image], steady: Sequence[Mask], margin_px: int = MARGIN_PX) -> float:
     """Share of the pixels, in the worst step of an animation, that change visibly though they stay umbra or stay lit
     and no shadow's border is near.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 SCHEMA = 1
@@ -21,6 +21,7 @@ class Measured:
     property: str
     value: float
     bound: float  # up to here the property holds
+    forms: Mapping[str, float] = field(default_factory=dict)  # up to here by each closed form that a limit names
 
 
 @dataclass(frozen=True)

@@ -97,8 +97,8 @@ def tower(height: float) -> Setup:
     size = 0.4e-3
     chip = Part("chip", shapes.sheet((-0.25e-3, 0.25e-3), (-0.25e-3, 0.25e-3)), (0.0, 0.0, height - 1e-3))
     light = rectangle(size, (0.0, 0.0, height))
-    eye = Eye(looking((0.0, 0.0, 0.9 * height), (0.0, 0.0, 0.0)), tan_half_width=0.5, far_m=10.0 * height)
-    return Setup((ground(0.5 * height), chip), (light,), eye)
+    eye = Eye(looking((0.0, 0.0, 0.9 * height), (0.0, 0.0, 0.0)), tan_half_width=1.5, far_m=10.0 * height)
+    return Setup((ground(1.5 * height), chip), (light,), eye)
 
 
 def wall_grazed(slope: float) -> Setup:

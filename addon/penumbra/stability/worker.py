@@ -1,7 +1,7 @@
 """The worker process of `penumbra stability`: measures one technique on one case at a time.
 
 Messages (processes.py): to it {"table", "case", "technique", "device"}, where the table is a module with CASES; from it
-{"found": [[property, value, bound]], "warnings": [sentence]} or {"failed": sentence}.
+{"found": [[property, value, bound, {closed form: bound}]], "warnings": [sentence]} or {"failed": sentence}.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def _begin() -> processes.Answer:
             return {"failed": f"{what} ({type(error).__name__})"}
         if found:
             found = [*found, Measured("memory", _peak_mb(), case.memory_mb)]
-        return {"found": [[m.property, m.value, m.bound] for m in found], "warnings": warnings}
+        return {"found": [[m.property, m.value, m.bound, dict(m.forms)] for m in found], "warnings": warnings}
 
     return answer
 
