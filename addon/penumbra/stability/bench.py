@@ -45,6 +45,8 @@ SWEEPS: Mapping[str, Mapping[str, tuple[str, tuple[int, ...]]]] = {
 }
 
 REFERENCE_ERROR = 0.004
+EDGE_PIXELS = 0.004
+"""Share of the pixels at which an edge may fall within rounding: see cases.SAME."""
 
 
 @dataclass
@@ -187,17 +189,20 @@ class Bench:
 
     def _measured(self, case: Case, technique: str, check: Check, pictures: Pictures) -> Measured:
         """The figure, and where the case's bound is not held, how far the closed forms go. If it is above all of them
-        that say anything of it, the whole picture is asked instead."""
+        that say anything of it, the whole picture is asked instead; if they say nothing of that either, its pixels."""
         value = MEASURES[check.property](pictures)
         named = limits.forms_of(technique, case.id, check.property) if value > check.bound else []
         if not named:
             return Measured(check.property, value, check.bound)
         ground = self._case_ground(pictures)
         forms = {name: FORMS[name](ground, technique) for name in named}
-        bounds, empty = told(forms, check.property, ground)
-        if not empty or any(value <= bound for bound in bounds.values()):
-            return Measured(check.property, value, check.bound, bounds)
-        return Measured("picture", MEASURES["picture"](pictures), 0.0, told(forms, "picture", ground)[0])
+        for property_ in (check.property, "picture"):
+            value = MEASURES[property_](pictures)
+            bounds, empty = told(forms, property_, ground)
+            if not empty or any(value <= bound for bound in bounds.values()):
+                return Measured(property_, value, check.bound if property_ == check.property else 0.0, bounds)
+        outside = {name: allowed.outside(pictures.images[-1], ground) for name, allowed in forms.items()}
+        return Measured("own form", min(outside.values()), 0.0, dict.fromkeys(forms, EDGE_PIXELS))
 
     def _case_ground(self, pictures: Pictures) -> Ground:
         """Of the last frame, whose figures the closed forms bound."""

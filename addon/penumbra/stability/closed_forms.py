@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from . import properties
 from .ground import Ground, Reals
+from .properties import Image
 
 Flags = npt.NDArray[np.bool_]
 
@@ -23,6 +24,8 @@ SAMPLES: Mapping[str, int] = {"light_samples": 16, "ray_traced": 16, "masked_ray
 """Points of the light for each pixel by default."""
 EDGE_TEXELS: Mapping[str, float] = {"shadow_map": 1.0, "pcf": 4.0}
 """So far from the hard edge a map decides: a texel, half of a box of 7 and its bilinear rim. Volumes know no texels."""
+LINES = 4
+"""That stand for a square."""
 AVERAGES = ("pcf", "light_samples")
 """What takes the mean of many comparisons for each pixel."""
 TAPS: Mapping[str, float] = {"pcf": 4.0, "smoothies": 1.0}
@@ -67,7 +70,20 @@ class Allowed:
         return _rms(off[asked]) + _rms(noise[asked]) + _rms(np.sqrt(flips[asked])) + ROUNDING
 
 
+    def outside(self, image: Image, ground: Ground) -> float:
+        """Share of the pixels at which a picture is visibly not what the form says."""
+        asked = ground.mask != 0
+        reach = properties.VISIBLE_STEP + 3.0 * np.broadcast_to(self.noise, image.shape)
+        off = (image < self.low - reach) | (image > self.high + reach)
+        allowed = np.mean(np.broadcast_to(self.flips, image.shape)[asked])
+        return max(float(np.mean(off[asked]) - allowed), 0.0)
+
+
 Form = Callable[[Ground, str], Allowed]
+
+
+def _scatter(truth: Reals, technique: str) -> Reals:
+    return np.asarray(np.sqrt(np.clip(truth * (1.0 - truth), 0.0, 1.0) / SAMPLES.get(technique, 1)))
 
 
 def _rms(values: Reals) -> float:
@@ -101,8 +117,9 @@ def outer(ground: Ground, technique: str) -> Allowed:
         t = low / (low + (1.0 - low) * ground.depth_ratio)
         # Polygons and lines have the linear ramp, round lights the smoothstep.
         dark, bright = np.minimum(t, _smoothstep(t)), np.maximum(high, _smoothstep(high))
-    if technique == "plateaus":  # what lies in no plane takes the hard comparison
-        bright = np.where(ground.in_a_plane, bright, 1.0)
+    # Silhouettes are those that the centre sees (E2): not the rims over which parts of a caster hide the light from
+    # its own surface. Plateaus take the hard comparison there, as on all that lies in no plane.
+    bright = np.where(ground.in_a_plane, bright, 1.0)
     seen = ground.centre_seen
     dark, bright = np.where(seen, dark, 0.0), np.where(seen, bright, 0.0)
     allowed = Allowed(ground.least_around(dark), ground.greatest_around(bright))
@@ -119,7 +136,7 @@ def sampled(ground: Ground, technique: str) -> Allowed:
     """[CookPorterCarpenter1984]: n points of the light scatter by sqrt(V (1 - V) / n) at most, jittered ones by less.
     Maps move each one's edge by up to a texel [HeckbertHerf1997]."""
     truth = ground.truth.astype(np.float64)
-    noise = np.sqrt(np.clip(truth * (1.0 - truth), 0.0, 1.0) / SAMPLES.get(technique, 1))
+    noise = _scatter(truth, technique)
     if technique == "light_samples":
         return Allowed(ground.least_around(truth), ground.greatest_around(truth), noise)
     return Allowed(truth, truth, noise)
@@ -144,7 +161,7 @@ def hit_or_missed(ground: Ground, technique: str) -> Allowed:
     """A caster thinner than a texel hides it whole or not at all, in proportion to its width (hybrid 3.1, 6): V is 0 or
     1 with the truth as its mean, an RMS of sqrt(V (1 - V)) even if all samples share the texel."""
     truth = ground.truth.astype(np.float64)
-    return Allowed(truth, truth, np.sqrt(np.clip(truth * (1.0 - truth), 0.0, 1.0)))
+    return Allowed(truth, truth, _scatter(truth, ""))
 
 
 def not_told_apart(ground: Ground, technique: str) -> Allowed:
@@ -158,7 +175,15 @@ def under_horizon(form: Form) -> Form:
 
     def less(ground: Ground, technique: str) -> Allowed:
         allowed = form(ground, technique)
-        return replace(allowed, low=np.maximum(allowed.low - ground.under_horizon, 0.0))
+        lost = np.minimum(ground.under_horizon, ground.truth)
+        low = np.maximum(allowed.low - lost, 0.0)
+        if technique == "linear_light_maps":  # counted in whole lines
+            low = np.where(lost > 0.0, np.maximum(low - 0.5 / LINES, 0.0), low)
+        if technique not in SAMPLES:
+            return replace(allowed, low=low)
+        seen = ground.truth - lost
+        nearest = np.clip(0.5, seen, ground.truth)  # V (1 - V) is greatest there
+        return replace(allowed, low=low, noise=_scatter(nearest, technique))
 
     return less
 
@@ -206,7 +231,7 @@ FORMS: Mapping[str, Form] = {
 
 
 def told(forms: Mapping[str, Allowed], property_: str, ground: Ground) -> tuple[dict[str, float], bool]:
-    """The bounds of the forms that any picture could break, and whether there are others: those say nothing."""
+    """The bounds of the forms that some picture could break, and whether there are others: those say nothing."""
     shape = ground.truth.shape
     any_picture = Allowed(np.zeros(shape), np.ones(shape)).figure(property_, ground)
     bounds = {name: allowed.figure(property_, ground) for name, allowed in forms.items()}

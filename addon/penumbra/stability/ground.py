@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import properties
-from .lamps import above_plane, disc_of, shrunk
+from .lamps import above_plane, disc_of, ribbon_of, shrunk
 from .properties import Image, Mask
 from .setups import Lamp, Setup, Vector, under
 
@@ -171,8 +171,11 @@ class Ground:
 
     @property
     def _outline_distances(self) -> tuple[Reals, Reals]:
-        """A sphere's outline grows as the tangent of the angle that it subtends, the sphere as its sine."""
+        """A sphere's outline grows as the tangent of the angle that it subtends, the sphere as its sine. A line is drawn
+        as a lozenge, which lies in a rectangle."""
         low, high = self._own_distances
+        if self._lamp.kind == "line":
+            return self._distances_in(ribbon_of(self._lamp))[0], high
         if self._lamp.kind not in ("point", "spot"):
             return low, high
         far = float(np.linalg.norm(self._middle - np.asarray(self._lamp.position_ws, np.float64)))
@@ -224,11 +227,16 @@ def _vector(values: Reals) -> Vector:
 
 
 def _filtered(values: npt.NDArray[Any], reach_px: int, pick: Any) -> npt.NDArray[Any]:
-    """The least or greatest in the square around each pixel; one axis after the other."""
+    """The least or greatest in the square around each pixel; one axis after the other, windows of twice the size from
+    two of the half."""
     result = values
     for axis in (0, 1):
-        padded = np.pad(result, [(reach_px, reach_px) if axis == own else (0, 0) for own in (0, 1)], mode="edge")
-        size = values.shape[axis]
-        shifted = [np.take(padded, range(i, i + size), axis) for i in range(2 * reach_px + 1)]
-        result = pick.reduce(shifted)
+        wanted = 2 * reach_px + 1
+        result = np.pad(result, [(reach_px, reach_px) if axis == own else (0, 0) for own in (0, 1)], mode="edge")
+        window = 1
+        while window < wanted:
+            step = min(window, wanted - window)
+            length = result.shape[axis] - step
+            result = pick(np.take(result, range(length), axis), np.take(result, range(step, step + length), axis))
+            window += step
     return result

@@ -12,6 +12,8 @@ from .setups import Lamp, Vector
 
 Reals = npt.NDArray[np.float64]
 
+LOZENGE = 0.02
+"""Of `plateaus`: lozenge_radius."""
 _ACROSS = 8
 """Points of a light along each of its two axes."""
 
@@ -65,6 +67,14 @@ def disc_of(lamp: Lamp, axis: Vector) -> Lamp:
         quarter = 1.0 if lamp.kind == "ellipse" else 4.0 / math.pi
         radius = math.sqrt(quarter * float(np.linalg.norm(normal)))
     return _octagon(lamp, along, normal, radius)
+
+
+def ribbon_of(line: Lamp) -> Lamp:
+    """A rectangle in a line's place, LOZENGE times as wide as long."""
+    along = np.asarray(line.half_u_ws, np.float64)
+    across = np.cross(np.asarray(line.direction_ws, np.float64), along)
+    across *= LOZENGE * np.linalg.norm(along) / max(float(np.linalg.norm(across)), 1e-300)
+    return replace(line, kind="rectangle", half_v_ws=_vector(across))
 
 
 def _octagon(lamp: Lamp, along: Reals, normal: Reals, radius: float) -> Lamp:

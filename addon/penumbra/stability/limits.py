@@ -23,8 +23,8 @@ class Limit:
     warning: str = ""  # of the plan, which must say so: a part of its sentence
 
     def covers(self, technique: str, case: str, property_: str) -> bool:
-        """The whole picture is asked where a closed form says nothing of what was."""
-        asked = self.property == property_ or (property_ == "picture" and isinstance(self.bound, str))
+        """The whole picture, or each of its pixels, is asked where a closed form says nothing of what was."""
+        asked = self.property == property_ or (property_ in ("picture", "own form") and isinstance(self.bound, str))
         return asked and technique in self.techniques and any(fnmatchcase(case, pattern) for pattern in self.cases)
 
     def figure(self, measured: Measured) -> float:
