@@ -32,11 +32,6 @@ class GpuScene;
 class Program;
 class TileList;
 
-/// True if no point of the caster's box lies between the light and the eye or the near rectangle: then the eye is
-/// outside its volume, and nothing of the volume is cut off in front of the eye. Never of an orthographic camera, whose
-/// rays come from behind it without end.
-[[nodiscard]] bool eye_is_outside(const Bounds& caster_ws, const Camera& camera, const Light& light);
-
 /// Where volumes are counted: a computation mask [Chan2004]. Elsewhere counts are 0, or mean nothing.
 struct VolumeMask {
     enum class Kind {

@@ -70,6 +70,31 @@ protected:
         scene.camera = scenes::camera_from_above(2.0, size_px, size_px);
         return scene;
     }
+
+    static constexpr int kStripPhases = 6, kStripPixels = 384;
+    struct Strip {
+        double mean = 0.0, widest = 0.0;  ///< texels
+    };
+    /// How much that is lit goes dark beside a line along y, with one reference depth for all four texels and a bias of
+    /// so many slopes, while an instance moves through a texel. With the receiver's plane nothing does.
+    Strip darkened_strip(Scene scene, std::size_t moved, double bias) {
+        constexpr int kMap = 24, kHigh = 24;
+        scene.camera.height_px = kHigh;
+        const double texel = texel_m(scene, kMap);
+        Strip strip;
+        for (int phase = 0; phase < kStripPhases; ++phase) {
+            scene.instances[moved].world_from_local[3].x = texel * (phase + 0.5) / kStripPhases;
+            const Wrong wrong = compare(make(scene, {{"map_size", kMap}, {"receiver_plane", false}, {"bias", bias}}));
+            EXPECT_EQ(wrong.missing, 0U) << "no shadow is missed";
+            EXPECT_EQ(wrong.tagged_wrong, 0U);
+            const double width = static_cast<double>(wrong.falsely_dark) / kHigh * (4.0 / kStripPixels) / texel;
+            strip.mean += width / kStripPhases;
+            strip.widest = std::max(strip.widest, width);
+            const Wrong plane = compare(make(scene, {{"map_size", kMap}, {"bias", bias}}));
+            EXPECT_EQ(plane.missing + plane.falsely_dark, 0U) << "the receiver's plane needs no bias";
+        }
+        return strip;
+    }
     static Scene small(Scene scene) {
         scene.camera.width_px = 192;
         scene.camera.height_px = 144;
@@ -314,65 +339,34 @@ TEST_F(HybridGl, TheReceiversPlaneLeavesNoFalseShadowAndOneTipOfBoxesOnAFloor) {
 // 3.2: a lit strip along a shadow's edge goes dark where the deeper texels lie in the real shadow and the nearer ones
 // fail by acne: 1 - B / g - x of a texel at phase x, in the mean (1 - B / g)^2 / 2, none from B = g on.
 TEST_F(HybridGl, ALowBiasLosesALitSliverOfTheClosedFormAtAShadowsEdge) {
-    constexpr int kMap = 24, kPhases = 6, kWide = 384, kHigh = 24;
+    Scene scene = under_blocker(scenes::sheet(-20, 0, -20, 20), kStripPixels);
+    scene.instances[0].world_from_local[0] = {1, 0, 1, 0};  // deeper where the shadow is
+    scene.instances[1].world_from_local[3].z = 30.0;
+    scene.camera.far_m = 400.0;
+    scene.camera.world_from_camera[3].z = 200.0;
     for (const double bias : {0.1, 0.5, 1.02}) {
-        double mean = 0.0, widest = 0.0;
-        for (int phase = 0; phase < kPhases; ++phase) {
-            Scene scene = under_blocker(scenes::sheet(-20, 0, -20, 20), kWide);
-            scene.camera.height_px = kHigh;
-            scene.instances[0].world_from_local[0] = {1, 0, 1, 0};  // deeper where the shadow is
-            scene.instances[1].world_from_local[3].z = 30.0;
-            scene.camera.far_m = 400.0;
-            scene.camera.world_from_camera[3].z = 200.0;
-            const double texel = texel_m(scene, kMap);
-            scene.instances[1].world_from_local[3].x = texel * (phase + 0.5) / kPhases;
-            const Settings one{{"map_size", kMap}, {"receiver_plane", false}, {"bias", bias}};
-            const Wrong wrong = compare(make(scene, one));
-            EXPECT_EQ(wrong.missing, 0U) << "no shadow is missed";
-            EXPECT_EQ(wrong.tagged_wrong, 0U);
-            const double width = static_cast<double>(wrong.falsely_dark) / kHigh * (4.0 / kWide) / texel;
-            mean += width / kPhases;
-            widest = std::max(widest, width);
-            const Wrong plane = compare(make(scene, {{"map_size", kMap}, {"bias", bias}}));
-            EXPECT_EQ(plane.missing + plane.falsely_dark, 0U) << "the receiver's plane needs no bias";
-        }
+        const Strip strip = darkened_strip(scene, 1, bias);
         const double lost = std::max(0.0, 1.0 - bias);
-        EXPECT_NEAR(mean, 0.5 * lost * lost, 0.03) << bias;
-        EXPECT_LE(widest, lost + 0.07) << bias;  // a pixel is 0.054 texels wide
-        EXPECT_GE(widest, lost - 1.0 / kPhases - 0.07) << bias;
+        EXPECT_NEAR(strip.mean, 0.5 * lost * lost, 0.03) << bias;
+        EXPECT_LE(strip.widest, lost + 0.07) << bias;  // a pixel is 0.054 texels wide
+        EXPECT_GE(strip.widest, lost - 1.0 / kStripPhases - 0.07) << bias;
     }
 }
 
 // 3.2: at the bottom of a valley that opens towards the light all four texels lie higher: a strip of up to a texel, in
 // the mean (1 - 2 B / g)^2 / 2, none from B = g / 2 on.
 TEST_F(HybridGl, ALowBiasDarkensACreaseByTheClosedForm) {
-    constexpr int kMap = 24, kPhases = 6, kWide = 384, kHigh = 24;
-    const auto valley =
+    Scene scene = under_blocker(scenes::sheet(-0.1, 0.1, 30, 30.2), kStripPixels);
+    scene.instances[1].world_from_local[3].z = 30.0;
+    scene.instances[0].mesh =
         scenes::mesh("valley", {{-10, -10, 10}, {0, -10, 0}, {10, -10, 10}, {-10, 10, 10}, {0, 10, 0}, {10, 10, 10}},
                      {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}});
     for (const double bias : {0.1, 0.3, 0.52}) {
-        double mean = 0.0, widest = 0.0;
-        for (int phase = 0; phase < kPhases; ++phase) {
-            Scene scene = under_blocker(scenes::sheet(-0.1, 0.1, 30, 30.2), kWide);
-            scene.camera.height_px = kHigh;
-            scene.instances[1].world_from_local[3].z = 30.0;
-            scene.instances[0].mesh = valley;
-            const double texel = texel_m(scene, kMap);
-            scene.instances[0].world_from_local[3].x = texel * (phase + 0.5) / kPhases;
-            const Settings one{{"map_size", kMap}, {"receiver_plane", false}, {"bias", bias}};
-            const Wrong wrong = compare(make(scene, one));
-            EXPECT_EQ(wrong.missing, 0U);
-            EXPECT_EQ(wrong.tagged_wrong, 0U);
-            const double width = static_cast<double>(wrong.falsely_dark) / kHigh * (4.0 / kWide) / texel;
-            mean += width / kPhases;
-            widest = std::max(widest, width);
-            const Wrong plane = compare(make(scene, {{"map_size", kMap}, {"bias", bias}}));
-            EXPECT_EQ(plane.missing + plane.falsely_dark, 0U) << "the receiver's plane needs no bias";
-        }
+        const Strip strip = darkened_strip(scene, 0, bias);
         const double lost = std::max(0.0, 1.0 - 2.0 * bias);
-        EXPECT_NEAR(mean, 0.5 * lost * lost, 0.03) << bias;
-        EXPECT_LE(widest, lost + 0.07) << bias;
-        EXPECT_GE(widest, lost - 2.0 / kPhases - 0.07) << bias;
+        EXPECT_NEAR(strip.mean, 0.5 * lost * lost, 0.03) << bias;
+        EXPECT_LE(strip.widest, lost + 0.07) << bias;
+        EXPECT_GE(strip.widest, lost - 2.0 / kStripPhases - 0.07) << bias;
     }
 }
 
