@@ -14,9 +14,23 @@ import jsonschema
 import numpy as np
 import pytest
 import stability_trouble
-from penumbra.stability import border, document, limits, properties, rows, run, scenes, setups, shapes
+from penumbra.stability import (
+    border,
+    closed_forms,
+    document,
+    ground,
+    lamps,
+    limits,
+    properties,
+    rows,
+    run,
+    scenes,
+    setups,
+    shapes,
+)
 from penumbra.stability.bench import MEASURES, SWEEPS
 from penumbra.stability.cases import CASES, EVERY_PICTURE, QUICK
+from penumbra.stability.closed_forms import FORMS
 from penumbra.stability.rows import Measured, Row
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
@@ -108,6 +122,13 @@ def test_even_steps_are_told_from_a_jump() -> None:
     assert properties.unevenness(flipping, [whole(RAMP)] * 3) == 1.0, "one pixel is no jump"
 
 
+def test_only_what_stays_in_use_counts_as_grown() -> None:
+    held_for_a_frame = [10.0, 10.0, 74.0, 10.0, 10.0, 74.0, 10.0, 74.0, 74.0]
+    assert properties.grown(held_for_a_frame) == 0
+    assert properties.grown([10.0 + 4.0 * frame for frame in range(24)]) == 32
+    assert properties.grown([5.0]) == 0
+
+
 # --- scenes ----------------------------------------------------------------------------------------------------------
 
 
@@ -147,6 +168,95 @@ def test_a_carried_scene_is_the_scene_carried() -> None:
     assert there.eye.near_m == 10.0 * setup.eye.near_m
 
 
+# --- closed forms ----------------------------------------------------------------------------------------------------
+
+
+def ground_of(core: Any, setup: setups.Setup) -> ground.Ground:
+    renderer = core.Renderer("")
+
+    def truth_of(frame: setups.Setup, exact: bool) -> properties.Image:
+        renderer.set_scene(frame.scene(core))
+        return np.array(renderer.reference(frame.light, standard_error=0.004, exact=exact)["area"])
+
+    truth = truth_of(setup, True)
+    renderer.set_scene(setup.scene(core))
+    return ground.Ground(setup, renderer.view(), np.array(renderer.mask(setup.light)), truth, truth_of)
+
+
+@pytest.fixture(scope="module")
+def edge(core: Any) -> ground.Ground:
+    """A half-plane's shadow: V is a ramp along x."""
+    return ground_of(core, scenes.edge(0.6))
+
+
+@pytest.mark.usefixtures("working_machine")
+def test_a_straight_edge_lies_as_far_from_the_centre_as_the_truth_says(edge: ground.Ground) -> None:
+    low, high = edge.distances(("own",))
+    outside = edge.centre_seen & (edge.mask != 0)
+    distance = np.clip(2.0 * edge.truth[outside] - 1.0, 0.0, 1.0)
+    assert outside.sum() > 1000
+    assert (low[outside] <= distance + 1e-3).all() and (distance <= high[outside] + 1e-3).all()
+    assert (high - low <= 1.0 / ground.LEVELS + 1e-9).all()
+
+
+@pytest.mark.usefixtures("working_machine")
+def test_the_form_of_a_hard_shadow_gives_one_over_root_twelve_on_a_straight_edge(edge: ground.Ground) -> None:
+    figure = closed_forms.hard(edge, "shadow_volume").figure("penumbra", edge)
+    assert closed_forms.ONE_STEP - 0.01 <= figure <= closed_forms.ONE_STEP + 0.03
+    assert closed_forms.hard(edge, "shadow_volume").figure("umbra and light", edge) < 1e-5
+
+
+@pytest.mark.usefixtures("working_machine")
+def test_the_form_of_the_outer_half_is_broken_by_light_in_the_umbra(edge: ground.Ground) -> None:
+    allowed = closed_forms.outer(edge, "plateaus")
+    inside = np.where(edge.centre_seen, np.clip(2.0 * edge.truth - 1.0, 0.0, 1.0), 0.0).astype(np.float32)
+    assert allowed.outside(inside, edge) == 0
+    assert allowed.outside(edge.truth, edge) > 0.05, "the inner half is not drawn"
+    assert properties.penumbra_error(inside, edge.truth, edge.mask) <= allowed.figure("penumbra", edge)
+
+
+@pytest.mark.usefixtures("working_machine")
+def test_a_form_that_allows_any_picture_says_nothing(edge: ground.Ground) -> None:
+    shape = edge.truth.shape
+    anything = closed_forms.Allowed(np.zeros(shape), np.ones(shape))
+    forms = {"any": anything, "hard": closed_forms.hard(edge, "shadow_volume")}
+    bounds, empty = closed_forms.told(forms, "penumbra", edge)
+    assert set(bounds) == {"hard"} and empty
+
+
+@pytest.mark.parametrize(
+    ("lamp", "share"),
+    [
+        (setups.Lamp("point", (0.0, 0.0, 0.0), radius_m=0.5), 0.5),
+        (setups.Lamp("point", (0.0, 0.0, 2.0), radius_m=0.5), 1.0),
+        (setups.Lamp("rectangle", (1.0, 0.0, 0.25), half_u_ws=(0.0, 1.0, 0.0), half_v_ws=(0.0, 0.0, 0.5)), 0.75),
+        (setups.Lamp("sun", direction_ws=(1.0, 0.0, 0.0), sun_angle_rad=0.1), 0.5),
+        (setups.Lamp("polygon", corners_ws=((0.0, 0.0, -1.0), (1.0, 0.0, 1.0), (2.0, 0.0, -1.0))), 0.25),
+    ],
+)
+def test_what_of_a_light_lies_over_a_plane(lamp: setups.Lamp, share: float) -> None:
+    here, up = np.array([[[-3.0, 0.2, 0.0]]]), np.array([[[0.0, 0.0, 1.0]]])
+    assert lamps.above_plane(lamp, here, up)[0, 0] == pytest.approx(share, abs=0.07)
+
+
+def test_lights_of_other_sizes_keep_their_centre() -> None:
+    triangle = scenes.lamp("polygon", 1.0)
+    half = lamps.shrunk(triangle, 0.5)
+    assert lamps.centre_of(half) == pytest.approx(lamps.centre_of(triangle))
+    assert lamps.shrunk(triangle, 0.0).position_ws == pytest.approx(tuple(lamps.centre_of(triangle)))
+    sun = lamps.shrunk(scenes.lamp("sun", 1.0), 0.5)
+    assert math.tan(0.5 * sun.sun_angle_rad) == pytest.approx(0.5 * 0.5 / scenes.LIGHT_HEIGHT_M)
+
+
+@pytest.mark.parametrize(("kind", "area"), [("rectangle", 4.0), ("ellipse", math.pi), ("polygon", 2.0)])
+def test_a_disc_of_equal_area_holds_its_octagon(kind: str, area: float) -> None:
+    disc = lamps.disc_of(scenes.lamp(kind, 2.0), (0.0, 0.0, -1.0))
+    corners = np.array(disc.corners_ws) - lamps.centre_of(disc)
+    radius = np.linalg.norm(corners, axis=1)
+    assert len(corners) == 8 and radius == pytest.approx(math.sqrt(area / math.pi))
+    assert np.ptp(corners[:, 2]) == pytest.approx(0)
+
+
 # --- judgement and page ----------------------------------------------------------------------------------------------
 
 
@@ -175,6 +285,19 @@ def test_figures_become_outcomes(technique: str, value: float, warnings: list[st
     assert row.outcome == outcome
     assert (row.reason == "") == (outcome == "holds")
     assert "\n" not in row.reason and json.dumps(row.to_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize(("figure", "outcome"), [(0.3, "bounded"), (0.15, "violated"), (None, "violated")])
+def test_a_closed_form_bounds_by_the_figure_of_its_case(
+    monkeypatch: pytest.MonkeyPatch, figure: float | None, outcome: str
+) -> None:
+    limit = limits.Limit(("pcf",), ("*",), "penumbra", "hard", "bounded", "too hard")
+    monkeypatch.setattr(limits, "LIMITS", (limit,))
+    forms = {} if figure is None else {"hard": figure}
+    for name, bound in (("penumbra", 0.1), ("picture", -math.inf)):
+        (row,) = limits.judge("pcf", "yard", [Measured(name, 0.2, bound, forms)])
+        assert row.outcome == outcome and row.property == name
+        assert outcome == "violated" or row.bound == figure
 
 
 SCHEMA: dict[str, Any] = {
@@ -216,7 +339,8 @@ def test_the_page_names_everything_that_does_not_hold() -> None:
     cases = [case for case in CASES if case.id in ("yard", "turned")]
     text = document.markdown({"cpu": "some"}, cases, ["pcf", "hybrid"], found)
     assert "| `yard` | b | b |" in text and "| `turned` | ✓ | ✗ |" in text
-    assert "| penumbra | `pcf`, `hybrid` | `yard` | 0.2 | 0.3 | too soft |" in text
+    assert "| penumbra | `pcf`, `hybrid` | `yard` | 0.2 / 0.3 | too soft |" in text
+    assert "| `yard` | 0.2 / 0.3 | 0.1 / 0.3 |" in text, "measured over bound"
     assert "died of <SIGSEGV>" in text
     assert document.counts(found) == {"holds": 1, "bounded": 2, "known_limit": 0, "violated": 1}
 
@@ -233,6 +357,11 @@ def test_every_case_and_limit_is_in_use(core: Any) -> None:
         assert limit.outcome in ("bounded", "known_limit") and limit.reason
         assert any(limit.covers(limit.techniques[0], id_, limit.property) for id_ in ids), limit
         assert limit.property in {check.property for case in CASES for check in (*case.checks, *EVERY_PICTURE)}, limit
+        assert limit.bound in FORMS if isinstance(limit.bound, str) else limit.bound < 1.0, "an empty bound"
+        assert (limit.warning != "") == (limit.outcome == "known_limit"), "the plan says what is out of its field"
+    assert {limit.bound for limit in limits.LIMITS if isinstance(limit.bound, str)} == set(FORMS)
+    assert all(case.ends_s <= 120.0 and case.memory_mb <= 1024.0 for case in CASES)
+    assert any(check.property == "no leak" for case in CASES for check in case.checks)
     assert all(set(techniques) <= known for techniques in SWEEPS.values())
 
 

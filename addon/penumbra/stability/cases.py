@@ -31,7 +31,7 @@ class Case:
     truth: str = "exact"  # "exact" for rectangles and polygons, or "rays"
     sweep: str = ""  # what is swept in place of scenes: "samples" or "maps"
     ends_s: float = 60.0
-    memory_mb: float = 2048.0  # of the whole process, which keeps the driver's programs of all techniques before
+    memory_mb: float = 1024.0  # at once, beyond what the process had in use before: the driver keeps its programs
 
 
 EVERY_PICTURE = (Check("finite", 0.0), Check("in 0 to 1", 0.0))

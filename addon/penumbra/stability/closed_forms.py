@@ -41,7 +41,7 @@ ROUNDING = 1e-6
 ROUNDINGS = 4.0
 """Of float32, in the places of a ray's two ends and of a corner of what it meets, in units of the scene's size."""
 STRAIGHT_EDGES = 0.446
-"""RMSE of the outer half under the smoothstep, receiver 4 times as deep as the edge [WymanHansen2003]; less for less."""
+"""RMSE of the outer half under the smoothstep, receiver 4 times as deep as the edge [WymanHansen2003]."""
 ONE_STEP = 1.0 / math.sqrt(12.0)
 """RMSE over a linear ramp of one step in its middle: the integral of x^2 from -1/2 to 1/2 is 1/12."""
 
@@ -68,7 +68,6 @@ class Allowed:
             return 0.0
         noise, flips = np.broadcast_to(self.noise, off.shape), np.broadcast_to(self.flips, off.shape)
         return _rms(off[asked]) + _rms(noise[asked]) + _rms(np.sqrt(flips[asked])) + ROUNDING
-
 
     def outside(self, image: Image, ground: Ground) -> float:
         """Share of the pixels at which a picture is visibly not what the form says."""
@@ -127,7 +126,7 @@ def outer(ground: Ground, technique: str) -> Allowed:
 
 
 def straight(ground: Ground, technique: str) -> Allowed:
-    """What `outer` allows, as far as STRAIGHT_EDGES at each pixel of the penumbra in the mean, and nothing beside it."""
+    """`outer`, and no more than the RMSE of its half of a straight edge's penumbra, 0.446."""
     off = np.where(properties.in_penumbra(ground.truth, ground.mask), STRAIGHT_EDGES, 0.0)
     return Allowed(ground.truth - off, ground.truth + off)
 
@@ -185,6 +184,7 @@ def under_horizon(form: Form) -> Form:
         nearest = np.clip(0.5, seen, ground.truth)  # V (1 - V) is greatest there
         return replace(allowed, low=low, noise=_scatter(nearest, technique))
 
+    less.__doc__ = under_horizon.__doc__
     return less
 
 
@@ -200,6 +200,7 @@ def with_acne(form: Form) -> Form:
             return replace(allowed, low=np.maximum(allowed.low - share, 0.0))
         return replace(allowed, flips=share)
 
+    less.__doc__ = with_acne.__doc__
     return less
 
 
@@ -229,12 +230,13 @@ FORMS: Mapping[str, Form] = {
 }
 
 
-
 def told(forms: Mapping[str, Allowed], property_: str, ground: Ground) -> tuple[dict[str, float], bool]:
     """The bounds of the forms that some picture could break, and whether there are others: those say nothing."""
     shape = ground.truth.shape
     any_picture = Allowed(np.zeros(shape), np.ones(shape)).figure(property_, ground)
     bounds = {name: allowed.figure(property_, ground) for name, allowed in forms.items()}
+    if "straight" in bounds and "outer" in bounds:
+        bounds["straight"] = min(bounds["straight"], bounds["outer"])
     known = {name: bound for name, bound in bounds.items() if bound < NOTHING * any_picture}
     return known, len(known) < len(bounds)
 

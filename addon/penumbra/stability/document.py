@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,15 +12,17 @@ from typing import Any
 
 from ..files import write_bytes
 from . import limits
-from .cases import Case
+from .cases import EVERY_PICTURE, Case, Check
+from .closed_forms import FORMS
 from .rows import OUTCOMES, SCHEMA, Outcome, Row, worst
 
 _MARKS: Mapping[Outcome, str] = {"holds": "✓", "bounded": "b", "known_limit": "L", "violated": "✗"}
 _MEANING: Mapping[Outcome, str] = {
     "holds": "all that is asked holds",
-    "bounded": "off by the method's own error, within the figure below",
-    "known_limit": "outside the method's field of use, as below",
-    "violated": "wrong",
+    "bounded": "off by the method's own error, by no more than its bound",
+    "known_limit": "not broken, but outside what the method is for, as the plan says beforehand: a hard shadow, for "
+    "example, has no penumbra, and is off wherever the truth has one, by no more than its bound",
+    "violated": "a bound is broken: a bug",
 }
 
 
@@ -31,7 +34,7 @@ class Finding:
     property: str
     reason: str
     bound: float
-    value: float | None  # the worst
+    value: float | None  # the one that comes nearest to its bound
     cases: tuple[str, ...]
     techniques: tuple[str, ...]
 
@@ -59,27 +62,32 @@ def counts(rows: Sequence[Row]) -> dict[Outcome, int]:
 
 def findings(rows: Sequence[Row]) -> list[Finding]:
     """What does not simply hold, worst first."""
-    groups: dict[tuple[Outcome, str, str, float], list[Row]] = {}
+    groups: dict[tuple[Outcome, str, str], list[Row]] = {}
     for row in rows:
         if row.outcome != "holds":
-            groups.setdefault((row.outcome, row.property, row.reason.partition(limits.SAYS)[0], row.bound), []).append(
-                row
-            )
+            groups.setdefault((row.outcome, row.property, row.reason.partition(limits.SAYS)[0]), []).append(row)
     found = []
-    for (outcome, name, reason, bound), members in groups.items():
-        values = [row.value for row in members if row.value is not None]
+    for (outcome, name, reason), members in groups.items():
+        nearest = max(members, key=_tightness)
         found.append(
             Finding(
                 outcome,
                 name,
                 reason,
-                bound,
-                max(values, default=None),
+                nearest.bound,
+                nearest.value,
                 tuple(dict.fromkeys(row.case for row in members)),
                 tuple(dict.fromkeys(row.technique for row in members)),
             )
         )
     return sorted(found, key=lambda finding: -OUTCOMES.index(finding.outcome))
+
+
+def _tightness(row: Row) -> float:
+    """Measured over bound; above all where there is no figure."""
+    if row.value is None:
+        return math.inf
+    return row.value / row.bound if row.bound > 0.0 else row.value
 
 
 def markdown(
@@ -91,7 +99,8 @@ def markdown(
         "Every technique, with its default settings, on cases that are hard on numbers. Written by "
         "`penumbra stability --out DIR --page docs/stability.md`; what is run, what must hold and from which figure on "
         "is data in `addon/penumbra/stability/cases.py`, what a method may be wrong by, and why, in `limits.py` beside "
-        "it. The truth is the exact one (rectangles, polygons) or rays.",
+        "it. The truth is the exact one (rectangles, polygons) or rays. No bound comes from a run: each is a formula "
+        "of the truth and the geometry of its case, listed under [Bounds](#bounds).",
         "",
         _machine(environment),
         "",
@@ -113,15 +122,27 @@ def markdown(
                 "",
                 f"## {title}",
                 "",
-                "| property | techniques | cases | worst | bound | why |",
-                "|---|---|---|--:|--:|---|",
+                "| property | techniques | cases | nearest to its bound | why |",
+                "|---|---|---|--:|---|",
             ]
             lines += [
-                f"| {f.property} | {_codes(f.techniques)} | {_codes(f.cases)} | {_figure(f.value)} | "
-                f"{_figure(f.bound)} | {f.reason} |"
+                f"| {f.property} | {_codes(f.techniques)} | {_codes(f.cases)} | {_against(f.value, f.bound)} | "
+                f"{f.reason} |"
                 for f in own
             ]
-    lines += ["", "## Cases", "", "| case | what it is | what must hold |", "|---|---|---|"]
+    lines += _figures(cases, techniques, rows)
+    lines += _resources(techniques, rows)
+    lines += ["", "## Bounds", "", *_bounds()]
+    lines += [
+        "",
+        "## Cases",
+        "",
+        f"Of every picture also: {_checks(EVERY_PICTURE)}, and the time and memory of [its row](#time-and-memory): "
+        f"{_limits(cases)}.",
+        "",
+        "| case | what it is | what must hold |",
+        "|---|---|---|",
+    ]
     lines += [f"| `{case.id}` | {case.what} | {_asked(case)} |" for case in cases]
     return "\n".join([*lines, ""])
 
@@ -138,8 +159,94 @@ def _cells(
 
 
 def _asked(case: Case) -> str:
-    asked = [f"{check.property} ({_figure(check.bound)})" for check in case.checks]
-    return ", ".join(asked) if asked else "finite, in 0 to 1"
+    return _checks(case.checks) if case.checks else "as every picture"
+
+
+def _checks(checks: Sequence[Check]) -> str:
+    return ", ".join(f"{check.property} ({_figure(check.bound)})" for check in checks)
+
+
+def _limits(cases: Sequence[Case]) -> str:
+    usual, *others = sorted({(case.ends_s, case.memory_mb) for case in cases})
+    named = [f"`{case.id}`" for case in cases if (case.ends_s, case.memory_mb) in others]
+    beyond = f"; {', '.join(named)} {max(case.ends_s for case in cases):g} s" if named else ""
+    return f"{usual[0]:g} s and {usual[1]:g} MB for each technique{beyond}"
+
+
+_PICTURED = ("penumbra", "umbra and light", "picture", "own form")
+
+
+def _figures(cases: Sequence[Case], techniques: Sequence[str], rows: Sequence[Row]) -> list[str]:
+    """What was measured of the pictures that are off, over the bound."""
+    found: dict[tuple[str, str], Row] = {}
+    for row in rows:
+        key = (row.case, row.technique)
+        off = row.outcome != "holds" and row.property in _PICTURED
+        if off and (key not in found or _tightness(row) > _tightness(found[key])):
+            found[key] = row
+    lines = [
+        "",
+        "## Measured over bound",
+        "",
+        "RMSE over the penumbra, or (e) the share of pixels elsewhere that are wrong, (p) the RMSE of the whole "
+        "picture where a bound for the penumbra alone could not fail, (o) the share of pixels that are not what the "
+        "method's own formula says, where that of the picture could not fail either. The one nearest to its bound is "
+        "shown.",
+        "",
+        "| case | " + " | ".join(f"`{technique}`" for technique in techniques) + " |",
+        "|---|" + "--:|" * len(techniques),
+    ]
+    marks = {"penumbra": "", "umbra and light": "e ", "picture": "p ", "own form": "o "}
+    for case in cases:
+        own = [found.get((case.id, technique)) for technique in techniques]
+        if any(own):
+            cells = [f"{marks[row.property]}{_against(row.value, row.bound)}" if row else "" for row in own]
+            lines.append(f"| `{case.id}` | " + " | ".join(cells) + " |")
+    return lines
+
+
+def _resources(techniques: Sequence[str], rows: Sequence[Row]) -> list[str]:
+    """The case of each technique that comes nearest to its limits."""
+    lines = [
+        "",
+        "## Time and memory",
+        "",
+        "The longest and the largest of all cases, and what eight of 24 frames leave behind, each with the bound of its "
+        "case. Memory is what is taken at once beyond what the process had in use before.",
+        "",
+        "| technique | ends, s | memory, MB | leak, MB |",
+        "|---|--:|--:|--:|",
+    ]
+    for technique in techniques:
+        cells = []
+        for name in ("ends", "memory", "no leak"):
+            own = [row for row in rows if row.technique == technique and row.property == name]
+            cells.append(_against(max(own, key=_tightness).value, max(own, key=_tightness).bound) if own else "")
+        lines.append(f"| `{technique}` | " + " | ".join(cells) + " |")
+    return lines
+
+
+def _bounds() -> list[str]:
+    """The formulas in words, from beside their code."""
+    lines = [
+        "The bound of a case is the figure of the worst picture that the method's own formula allows there, given the "
+        "truth: under its light, its centre and lights of other sizes in its place (`closed_forms.py`, `ground.py`). "
+        "Where that is no less than for any picture at all, another property is asked.",
+        "",
+        "| formula | least and greatest V at each pixel |",
+        "|---|---|",
+    ]
+    for name, form in FORMS.items():
+        lines.append(f"| {name} | {_one_line(form.__doc__)} |")
+    return lines
+
+
+def _one_line(text: str | None) -> str:
+    return " ".join((text or "").split()).replace("|", "\\|")
+
+
+def _against(value: float | None, bound: float) -> str:
+    return f"{_figure(value)} / {_figure(bound)}"
 
 
 def _codes(names: Sequence[str]) -> str:

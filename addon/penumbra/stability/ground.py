@@ -171,8 +171,8 @@ class Ground:
 
     @property
     def _outline_distances(self) -> tuple[Reals, Reals]:
-        """A sphere's outline grows as the tangent of the angle that it subtends, the sphere as its sine. A line is drawn
-        as a lozenge, which lies in a rectangle."""
+        """A sphere's outline grows as the tangent of the angle that it subtends, the sphere as its sine. A line is
+        drawn as a lozenge, which lies in a rectangle."""
         low, high = self._own_distances
         if self._lamp.kind == "line":
             return self._distances_in(ribbon_of(self._lamp))[0], high

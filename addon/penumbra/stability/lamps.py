@@ -24,7 +24,7 @@ def centre_of(lamp: Lamp) -> Reals:
         corners = np.asarray(lamp.corners_ws, np.float64)
         twice = [np.linalg.norm(np.cross(b - corners[0], c - corners[0])) for b, c in _fan(corners)]
         thirds = [(corners[0] + b + c) / 3.0 for b, c in _fan(corners)]
-        return np.average(thirds, axis=0, weights=twice) if sum(twice) > 0.0 else corners.mean(axis=0)
+        return np.asarray(np.average(thirds, axis=0, weights=twice) if sum(twice) > 0.0 else corners.mean(axis=0))
     return np.asarray(lamp.position_ws, np.float64)
 
 

@@ -79,6 +79,9 @@ _GRAZED = "; where light grazes more steeply than the bias is made for, acne is 
 
 LIMITS: tuple[Limit, ...] = (
     # Penumbrae, umbra and light, one family after the other; the closer bound first.
+    *_rows("bounded", (*FACING, *RAYS), ("contact-ulp",), "missed",
+           "float32: the view cannot tell the plate from the ground one ulp below it, and at some pixels asks for the "
+           "ground's V; the plate is within every method's bias of it, and is missed"),
     *_rows("known_limit", HARD, ALL, "hard",
            "hard shadows have no penumbra: 0 or 1 where the truth lies between, as the light's centre is hidden or "
            "seen; 1/sqrt 12 = 0.289 on a straight edge (shadows 0.9)", ONE_POINT),
@@ -120,9 +123,6 @@ LIMITS: tuple[Limit, ...] = (
            "float32: a caster closer to the light than 1e-6 of the scene's size is not found", FLOAT32),
     *_rows("known_limit", RAYS, DEEP, "not told apart",
            "float32: a caster closer to the light than 1e-6 of the scene's size is as large as its rounding", FLOAT32),
-    *_rows("bounded", (*FACING, *RAYS), ("contact-ulp",), "missed",
-           "float32: the view cannot tell the plate from the ground one ulp below it, and at some pixels asks for the "
-           "ground's V; the plate is within every method's bias of it, and is missed"),
     # Pictures that should be the same.
     Limit(("smoothies",), ("denormal-light",), "same image", "filtered", "bounded",
           "a light of any extent has smoothies, however narrow: as t -> 0 the 2 x 2 filtered hard map is left, not "

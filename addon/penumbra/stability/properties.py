@@ -136,6 +136,13 @@ def unevenness(images: Sequence[Image], steady: Sequence[Mask]) -> float:
     return max(steps) / float(np.median(steps))
 
 
+def grown(in_use: Sequence[float]) -> float:
+    """What stays in use, of figures after each of equal frames: the least of their last third over that of the second.
+    What one frame still holds when it is counted is gone in another."""
+    third = max(1, len(in_use) // 3)
+    return min(in_use[-third:]) - min(in_use[-2 * third : -third] or in_use)
+
+
 def _eroded(inside: npt.NDArray[np.bool_], margin_px: int) -> npt.NDArray[np.bool_]:
     """Pixels all of whose neighbours within the margin are inside; the picture goes on beyond its border."""
     rows, columns = inside.shape

@@ -31,7 +31,7 @@ def serve(descriptor: int) -> int:
 
 def _begin() -> processes.Answer:
     from .. import native
-    from .bench import Bench
+    from .bench import Bench, resident_mb
     from .rows import Measured
 
     core = native.load()
@@ -40,6 +40,7 @@ def _begin() -> processes.Answer:
     def answer(order: processes.Message, tell: processes.Tell) -> processes.Message:
         case = _case(order["table"], order["case"])
         _limit_memory(_HARD_LIMIT * case.memory_mb)
+        before_mb = resident_mb()
         _forget_peak()
         try:
             device = order["device"]
@@ -52,7 +53,7 @@ def _begin() -> processes.Answer:
             what = "out of memory" if isinstance(error, MemoryError) else sentence_of(error)
             return {"failed": f"{what} ({type(error).__name__})"}
         if found:
-            found = [*found, Measured("memory", _peak_mb(), case.memory_mb)]
+            found = [*found, Measured("memory", max(_peak_mb() - before_mb, 0.0), case.memory_mb)]
         return {"found": [[m.property, m.value, m.bound, dict(m.forms)] for m in found], "warnings": warnings}
 
     return answer
