@@ -211,8 +211,8 @@ def _resources(techniques: Sequence[str], rows: Sequence[Row]) -> list[str]:
         "",
         "## Time and memory",
         "",
-        "The longest and the largest of all cases, and what eight of 24 frames leave behind, each with the bound of its "
-        "case. Memory is what is taken at once beyond what the process had in use before.",
+        "The longest and the largest of all cases, and what eight of 24 frames leave behind, each with the bound of "
+        "its case. Memory is what is taken at once beyond what the process had in use before.",
         "",
         "| technique | ends, s | memory, MB | leak, MB |",
         "|---|--:|--:|--:|",
