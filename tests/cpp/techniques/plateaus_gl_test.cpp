@@ -820,9 +820,15 @@ TEST_F(PlateausGl, WideSlopesAreCutToTilesWithoutAChange) {
                 const VisibilityResult cut = renderer().visibility(0, {"plateaus", settings}, false, control_);
                 const VisibilityResult all = renderer().visibility(0, {"plateaus", settings}, true, control_);
                 EXPECT_EQ(cut.visibility, all.visibility) << static_cast<int>(light.kind) << " " << sides;
+                const Job unsifted{.technique = "plateaus",
+                                   .settings = settings,
+                                   .keep_rules = {"silhouette-under-umbra", "texel-without-pixel"}};
+                const VisibilityResult tiled = renderer().visibility(0, unsifted, false, control_);
+                EXPECT_EQ(cut.visibility, tiled.visibility) << static_cast<int>(light.kind) << " " << sides;
                 const auto pieces = [](const VisibilityResult& result) {
                     return std::ranges::find(result.statistics, "slope_pieces", &Statistic::id)->value;
                 };
+                EXPECT_LT(pieces(cut), pieces(tiled)) << "of tiles that are black or that no pixel looks up";
                 EXPECT_GT(pieces(cut), 0.0) << static_cast<int>(light.kind) << " " << sides;
                 EXPECT_EQ(pieces(all), 0.0) << "kept whole, nothing is cut";
             }
