@@ -141,10 +141,12 @@ void MaskedRays::update(Frame& frame) {
 void MaskedRays::resolve(Frame& frame) {
     mask_.classify(frame);
     const LightSummary& summary = frame.summary();
-    std::vector<float>& visibility = frame.visibility_on_cpu();
-    classes_.assign(visibility.size(), 0);
     frame.step(kPilot, [&] { look_with_rays(frame); });
     frame.step("rays", [&] {
+        std::vector<float>& visibility = frame.visibility_on_cpu();
+        if (!frame.plan().runs(kPilot)) {
+            classes_.assign(visibility.size(), 0);
+        }
         // A light without extent has no mask: one ray each.
         if (frame.plan().runs("penumbra mask")) {
             mask_.read_classes(classes_);
@@ -167,6 +169,7 @@ void MaskedRays::look_with_rays(Frame& frame) {
     std::vector<float>& visibility = frame.visibility_on_cpu();
     const std::vector<std::uint8_t> open = find_penumbrae(frame.ray_scene(), frame.view(), frame.light(), asked,
                                                           options_.seed, visibility, frame.control());
+    classes_.resize(open.size());
     pilot_rays_ = 0;
     for (std::size_t i = 0; i < open.size(); ++i) {
         const auto sure = visibility[i] > 0.0F ? PenumbraMask::Class::Lit : PenumbraMask::Class::Umbra;
