@@ -17,8 +17,8 @@
 namespace penumbra {
 
 struct RendererOptions {
-    std::string device{};  ///< "" first hardware device with OpenGL 4.5, else software; or index, or part of a name
-    bool debug = false;    ///< driver messages become errors
+    std::string device;  ///< "" first hardware device with OpenGL 4.5, else software; or index, or part of a name
+    bool debug = false;  ///< driver messages become errors
     std::size_t most_kept_bytes = std::size_t{256} << 20U;  ///< of the frames that Job::reuse keeps, in main memory
 };
 

@@ -144,7 +144,9 @@ TEST_F(KeptFramesGl, WhatIsKeptStaysWithinItsBytesAndTheOldestGoes) {
     const Scene scene = two_lights();
     renderer().set_scene(scene);
     const std::size_t frame = fresh("shadow_map").size() * sizeof(float);
-    Renderer tight{{.most_kept_bytes = frame + frame / 2}};
+    RendererOptions options;
+    options.most_kept_bytes = frame + frame / 2;
+    Renderer tight{options};
     tight.set_scene(scene);
     Job job{"shadow_map", small("shadow_map"), false};
     job.reuse = true;
