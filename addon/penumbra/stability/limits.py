@@ -127,6 +127,11 @@ LIMITS: tuple[Limit, ...] = (
     Limit(("smoothies",), ("denormal-light",), "same image", "filtered", "bounded",
           "a light of any extent has smoothies, however narrow: as t -> 0 the 2 x 2 filtered hard map is left, not "
           "the nearest texel's (smoothies 4, t = 0)"),
+    # Memory.
+    Limit(("linear_light_maps",), ("frames-24",), "no leak", 256.0, "bounded",
+          "a software device lets go of a deleted texture only when its queue of pictures comes round to it, so that "
+          "up to four maps of 64 MB stay for a while: over 384 frames the memory swings between 200 and 500 MB and "
+          "does not grow"),
     # Convergence.
     Limit(("linear_light_maps",), ("more-samples",), "converges", 0.0, "bounded",
           "no rate is published: the error in a segment is its share 1/(N - 1) at most and falls where segments are "
