@@ -82,7 +82,7 @@ install_project() {
     local step=(python -m pip install --quiet)
     if ! python -c 'import glad, ninja, pybind11, scikit_build_core' 2>/dev/null || ! cmake --version >/dev/null 2>&1; then
         say "Installing the build tools"
-        "${step[@]}" 'scikit-build-core>=1.1,<2' 'pybind11>=2.12,<4' 'glad2>=2.0.6,<3' 'jinja2>=3.1,<4' \
+        "${step[@]}" 'scikit-build-core>=1.1,<2' 'pybind11>=3.1,<4' 'glad2>=2.0.6,<3' 'jinja2>=3.1,<4' \
             'cmake>=3.25' 'ninja>=1.11' || fail "pip could not get the build tools; check the network and try again"
     fi
     say "Building and installing penumbra (extras: $1; the first time takes minutes)"
