@@ -1,5 +1,5 @@
 // Position and geometric normal of a pixel in one texel, so that a lookup reads the view once.
-// xyz: bits of the position relative to the eye; w: octahedral normal, 16 bits an axis (within 5e-5 rad), 0: nothing.
+// xyz: bits of the position relative to the eye; w: octahedral normal, 16 bits an axis (within 6.5e-5 rad), 0: nothing.
 // Written by passes/receiver_texel.cpp.
 
 // Not of unit length: a plane's slope in a map and the side it faces do not depend on it.
