@@ -161,7 +161,25 @@ void MaskedRays::resolve(Frame& frame) {
         counts_ =
             trace_masked(frame.ray_scene(), frame.view(), frame.light(), listed, options_, visibility, frame.control());
         counts_.rays += pilot_rays_;
+        if (summary.keeps("pixel-outside-mask")) {
+            trace_unasked(frame);
+        }
     });
+}
+
+void MaskedRays::trace_unasked(Frame& frame) const {
+    const View& view = frame.view();
+    std::vector<std::uint8_t> unasked(view.size());
+    for (std::size_t i = 0; i < unasked.size(); ++i) {
+        const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
+        unasked[i] = view.hit(i) && frame.summary().mask[i] == 0 && found == PenumbraMask::Class::Maybe ? 1 : 0;
+    }
+    std::vector<float> nobodys(view.size(), -1.0F);
+    if (frame.plan().runs(kPilot)) {
+        unasked =
+            find_penumbrae(frame.ray_scene(), view, frame.light(), unasked, options_.seed, nobodys, frame.control());
+    }
+    trace_masked(frame.ray_scene(), view, frame.light(), unasked, options_, nobodys, frame.control());
 }
 
 void MaskedRays::look_with_rays(Frame& frame) {
@@ -173,7 +191,8 @@ void MaskedRays::look_with_rays(Frame& frame) {
     pilot_rays_ = 0;
     for (std::size_t i = 0; i < open.size(); ++i) {
         const auto sure = visibility[i] > 0.0F ? PenumbraMask::Class::Lit : PenumbraMask::Class::Umbra;
-        classes_[i] = static_cast<std::uint8_t>(open[i] != 0 ? PenumbraMask::Class::Maybe : sure);
+        const bool decided = asked[i] != 0 && open[i] == 0;
+        classes_[i] = static_cast<std::uint8_t>(decided ? sure : PenumbraMask::Class::Maybe);
         pilot_rays_ += asked[i] != 0 ? 1 : 0;
     }
 }

@@ -33,6 +33,9 @@ private:
     /// Sure pixels whose rays say otherwise.
     [[nodiscard]] Statistic wrongly_sure(Frame& frame) const;
 
+    /// V of what the rule pixel-outside-mask leaves out, for nobody: pixels lend each other what they find, so the
+    /// others must not see it.
+    void trace_unasked(Frame& frame) const;
     /// Classes by a ray of each pixel.
     void look_with_rays(Frame& frame);
 
