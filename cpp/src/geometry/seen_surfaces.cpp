@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "base/assert.h"
@@ -138,17 +139,19 @@ void for_rows(int height, const std::function<void(int)>& work, Control& control
 
 }  // namespace
 
-View place_surfaces(const Scene& scene, std::span<const glm::uvec2> seen, Control& control) {
+View place_surfaces(const Scene& scene, std::span<const glm::uvec2> seen, Control& control, View spare) {
     const Camera& camera = scene.camera;
-    View view;
+    View view = std::move(spare);
+    view.shading_normal_ws.clear();
+    view.albedo.clear();
     view.width = camera.width_px;
     view.height = camera.height_px;
     view.eye_ws = glm::dvec3{camera.world_from_camera[3]};
     PENUMBRA_ASSERT(seen.size() == view.size());
     view.position_cr.resize(seen.size());
     view.normal_ws.resize(seen.size());
-    view.instance.resize(seen.size(), -1);
-    view.triangle.resize(seen.size(), -1);
+    view.instance.resize(seen.size());
+    view.triangle.resize(seen.size());
     const PlacedInstances placed{scene, view.eye_ws};
     const PixelRays rays{camera};
     const auto place_row = [&](int y) {
@@ -163,6 +166,8 @@ View place_surfaces(const Scene& scene, std::span<const glm::uvec2> seen, Contro
                 facet = ids.x > 0 ? Facet{placed.corners(ids.x - 1, ids.y)} : Facet{};
             }
             if (!facet.is_surface) {
+                view.position_cr[i] = view.normal_ws[i] = glm::vec3{0.0F};
+                view.instance[i] = view.triangle[i] = -1;
                 continue;
             }
             const PixelRays::Ray ray = rays.at(row, x);

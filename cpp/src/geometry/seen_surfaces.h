@@ -15,8 +15,10 @@ namespace penumbra {
 ///
 /// @param seen  per pixel, row 0 at the bottom: index of the instance + 1, or 0 where nothing is seen; triangle of its
 ///              mesh. A triangle without area is no surface: nothing is seen there.
+/// @param spare  a view that nobody needs any more; its memory is used again, as new memory costs as much as the rays
 /// @throws Cancelled
-[[nodiscard]] View place_surfaces(const Scene& scene, std::span<const glm::uvec2> seen, Control& control);
+[[nodiscard]] View place_surfaces(const Scene& scene, std::span<const glm::uvec2> seen, Control& control,
+                                  View spare = {});
 
 /// Fills shading_normal_ws and albedo of a view of place_surfaces(), if they are not there. @throws Cancelled
 void shade_surfaces(const Scene& scene, View& view, Control& control);

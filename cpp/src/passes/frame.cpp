@@ -5,7 +5,7 @@
 namespace penumbra {
 
 void Frame::bind_view() const {
-    in_.view_pass.receiver().bind(0);
+    in_.view_pass.receiver(in_.view, in_.control).bind(0);
 }
 
 void Frame::resolve_with(const Program& program) {

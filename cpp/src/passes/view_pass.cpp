@@ -1,5 +1,7 @@
 #include "passes/view_pass.h"
 
+#include <utility>
+
 #include "geometry/seen_surfaces.h"
 #include "passes/receiver_texel.h"
 
@@ -63,16 +65,33 @@ void ViewPass::allocate(int width_px, int height_px) {
     }
     ids_ = TextureImage::make_2d(GL_RG32UI, width_px, height_px, "view ids");
     depth_ = TextureImage::make_2d(GL_DEPTH32F_STENCIL8, width_px, height_px, "view depth");
-    receiver_ = TextureImage::make_2d(GL_RGBA32UI, width_px, height_px, "view receiver");
+    receiver_ = {};
     ids_target_ = RenderTarget{"view ids"};
     ids_target_.attach_colour(0, ids_);
     ids_target_.attach_depth(depth_);
-    const auto pixels = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-    seen_.resize(pixels);
-    receivers_.resize(pixels);
+    seen_.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
 }
 
-View ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, Control& control) {
+void ViewPass::upload(const View& view, Control& control) {
+    if (!receiver_) {
+        receiver_ = TextureImage::make_2d(GL_RGBA32UI, view.width, view.height, "view receiver");
+    }
+    receivers_.resize(view.size());
+    receiver_texels(view, receivers_, control);
+    receiver_.upload(std::span<const glm::uvec4>{receivers_});
+    check_gl("view receiver");
+    receiver_ready_ = true;
+}
+
+const TextureImage& ViewPass::receiver(const View& view, Control& control) {
+    receiver_wanted_ = true;
+    if (!receiver_ready_) {
+        upload(view, control);
+    }
+    return receiver_;
+}
+
+View ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, Control& control, View spare) {
     const Camera& camera = scene.camera;
     allocate(camera.width_px, camera.height_px);
 
@@ -104,10 +123,11 @@ View ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, C
     check_gl("view ids");
 
     ids_.read_into(std::span{seen_});
-    View view = place_surfaces(scene, seen_, control);
-    receiver_texels(view, receivers_, control);
-    receiver_.upload(std::span<const glm::uvec4>{receivers_});
-    check_gl("view receiver");
+    View view = place_surfaces(scene, seen_, control, std::move(spare));
+    receiver_ready_ = false;
+    if (receiver_wanted_) {
+        upload(view, control);
+    }
     return view;
 }
 

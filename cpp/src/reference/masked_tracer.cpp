@@ -17,6 +17,7 @@
 #include "reference/shared_fit.h"
 #include "reference/strata_board.h"
 #include "reference/tile_tracer.h"
+#include "reference/vector_clones.h"
 #include "reference/visibility_tracer.h"
 
 namespace penumbra {
@@ -30,10 +31,23 @@ constexpr std::uint32_t kPilotStream = 6;
 constexpr int kPilotStrata = 16;  // of the light: as many as a 4 x 4 block has pixels
 constexpr int kTilesPerPiece = 4;
 constexpr int kOpenRadius = 2;  // pixels
+/// With `share`, of the first rays: those that say whether there is a penumbra at all.
+constexpr int kBeginRays = 4;
+constexpr int kEnoughToAgree = 8;
 /// Of V, per pixel: the penumbra is narrower than seven pixels, and its ends bend the plane.
 constexpr float kSteep = 0.15F;
+/// Of V, per pixel: the penumbra is narrower than five pixels, and most pixels beside it see all or nothing.
+constexpr float kSharp = 0.2F;
 /// Of the noise of n first rays in a penumbra, 0.37 n^-0.75: more scatter around the plane is no noise.
-constexpr double kScatter = 1.15;
+constexpr double kScatter = 1.4;
+
+bool is_power_of_two(int x) noexcept {
+    return std::has_single_bit(static_cast<unsigned>(x));
+}
+
+int bits_of(int power_of_two) noexcept {
+    return std::countr_zero(static_cast<unsigned>(power_of_two));
+}
 
 /// Calls work(tracer, receivers) for every tile that has listed pixels.
 template <class Work>
@@ -85,6 +99,59 @@ bool open_around(const View& view, std::span<const float> visibility, std::size_
     return least < most || (most > 0.0F && most < 1.0F) || most < 0.0F;
 }
 
+constexpr std::uint8_t kSawLight = 1;
+constexpr std::uint8_t kSawShadow = 2;
+
+/// What the rays of a pixel saw; below 0: it has none.
+std::uint8_t found_by(float visibility) noexcept {
+    const int light = visibility > 0.0F ? kSawLight : 0;
+    const int shadow = visibility >= 0.0F && visibility < 1.0F ? kSawShadow : 0;
+    return static_cast<std::uint8_t>(light | shadow);
+}
+
+/// Per column, what the rows up to `radius` away from y found.
+PENUMBRA_VECTOR_CLONES void gather_rows(const std::uint8_t* found, int width, int height, int y, int radius,
+                                        std::uint8_t* out) noexcept {
+    std::fill_n(out, width, std::uint8_t{0});
+    for (int row = std::max(0, y - radius); row <= std::min(height - 1, y + radius); ++row) {
+        const std::uint8_t* const from = found + static_cast<std::ptrdiff_t>(row) * width;
+        for (int x = 0; x < width; ++x) {
+            out[x] |= from[x];
+        }
+    }
+}
+
+/// @param columns  `radius` more on either side, 0 there
+PENUMBRA_VECTOR_CLONES void keep_mixed(const std::uint8_t* columns, int width, int radius, std::uint8_t* seen,
+                                       std::uint8_t* open) noexcept {
+    std::fill_n(seen, width, std::uint8_t{0});
+    for (int dx = 0; dx <= 2 * radius; ++dx) {
+        for (int x = 0; x < width; ++x) {
+            seen[x] |= columns[x + dx];
+        }
+    }
+    for (int x = 0; x < width; ++x) {
+        open[x] &= seen[x] & (seen[x] >> 1);  // both bits
+    }
+}
+
+/// Sets those of `open`, 0 or 1 each, to 0 around which not both light and shadow were found.
+void open_where_mixed(std::span<const std::uint8_t> found, int width, int height, int radius,
+                      std::span<std::uint8_t> open, Control& control) {
+    const auto wide = static_cast<std::size_t>(width);
+    parallel_for(
+        height, 64,
+        [&](std::int64_t begin, std::int64_t end) {
+            std::vector<std::uint8_t> columns(wide + 2 * static_cast<std::size_t>(radius), 0);
+            std::vector<std::uint8_t> seen(wide);
+            for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+                gather_rows(found.data(), width, height, y, radius, columns.data() + radius);
+                keep_mixed(columns.data(), width, radius, seen.data(), &open[static_cast<std::size_t>(y) * wide]);
+            }
+        },
+        control);
+}
+
 class MaskedTrace {
 public:
     MaskedTrace(const RayScene& rays, const View& view, const Light& light, std::span<const std::uint8_t> listed,
@@ -96,32 +163,17 @@ public:
           control_{control},
           points_{light, rays.frame()} {}
 
-    /// Step 1, or any other number of rays for every pixel listed.
-    void trace_all(std::span<const std::uint8_t> listed, int count, std::uint32_t stream, std::span<float> visibility) {
-        trace_equally(listed, count, stream, [&](std::uint32_t pixel, std::span<const std::uint8_t> seen) {
-            visibility[pixel] =
-                static_cast<float>(std::accumulate(seen.begin(), seen.end(), 0)) / static_cast<float>(count);
-        });
-    }
-
     MaskedTraceCounts run(std::span<float> visibility) {
         MaskedTraceCounts counts;
         counts.pixels = static_cast<std::uint64_t>(std::ranges::count(listed_, 1));
         const int first = points_.single_point() ? 1 : std::min(options_.rays, options_.first_rays);
-        interleaved_ = options_.share > 0;
-        trace_all(listed_, first, kFirstStream, visibility);
-        interleaved_ = false;
-        if (!points_.single_point() && (options_.share > 0 || options_.rays > options_.first_rays)) {
-            const std::vector<std::uint8_t> open =
-                options_.share > 0 ? share_first_rays(visibility) : open_pixels(visibility);
-            counts.full_pixels = static_cast<std::uint64_t>(std::ranges::count(open, 1));
-            if (options_.rays <= options_.first_rays) {
-                counts.full_pixels = 0;
-            } else if (options_.rays < 2 * kBoardStrata) {
-                trace_all(open, options_.rays, kBoardStream, visibility);
-            } else {
-                fill_boards(open, visibility);
-                refine(open, visibility);
+        const bool more = !points_.single_point() && options_.rays > first;
+        if (!points_.single_point() && options_.share > 0) {
+            share(first, more, counts, visibility);
+        } else {
+            trace_walk(listed_, {.count = first, .of = first, .stream = kFirstStream}, visibility);
+            if (more) {
+                trace_rest(open_pixels(visibility), counts, visibility);
             }
         }
         counts.rays = rays_cast_;
@@ -129,39 +181,56 @@ public:
     }
 
 private:
+    /// Rays [first, first + count) of the `of` that a pixel may cast.
+    struct Walk {
+        int first = 0, count = 1, of = 1;
+        std::uint32_t stream = 0;
+        bool interleaved = false;  ///< the pixels of a 4 x 4 block differ as much as they can
+        int part_bits = 0;         ///< of 2^part_bits parts each is spread evenly by itself
+
+        [[nodiscard]] Walk next(int rays) const {
+            Walk walk = *this;
+            walk.first += count;
+            walk.count = rays;
+            return walk;
+        }
+    };
+
     /// The samples of one pixel: a net of points, or cells where the count is no power of two or the light a line.
     class Samples {
     public:
-        Samples(int count, bool line, std::uint32_t base)
-            : count_{count},
-              bits_{std::countr_zero(static_cast<unsigned>(count))},
-              net_{!line && std::has_single_bit(static_cast<unsigned>(count)) && bits_ <= 16},
+        Samples(const Walk& walk, bool line, std::uint32_t base)
+            : count_{walk.of},
+              bits_{bits_of(walk.of)},
+              part_bits_{walk.part_bits},
+              net_{!line && is_power_of_two(walk.of) && bits_ <= 16},
+              interleaved_{walk.interleaved},
               base_{base} {
             if (!net_) {
-                strata_ = make_strata(count, line);
+                strata_ = make_strata(count_, line);
             }
         }
         [[nodiscard]] bool is_net() const noexcept { return net_; }
-        void start(std::uint32_t pixel) noexcept {
-            if (net_) {
-                points_ = ScrambledNet{bits_, sequence_key(pixel, mix(base_))};
-            }
-        }
-        /// So that the nets of the pixels of a 4 x 4 block are shifted by all multiples of a quarter of the light.
+        /// @param width  of the view
         void start(std::uint32_t pixel, std::uint32_t width) noexcept {
-            if (net_) {
+            if (!net_) {
+                return;
+            }
+            std::uint32_t key = sequence_key(pixel, mix(base_));
+            if (interleaved_) {
+                // The nets of the pixels of a 4 x 4 block are shifted by all multiples of a quarter of the light.
                 constexpr std::uint32_t kQuarters = 0xC000C000U;
                 const std::uint32_t place = (pixel % width & 3U) << 14U | (pixel / width & 3U) << 30U;
-                const std::uint32_t key = sequence_key(pixel, mix(base_)) & ~kQuarters;
-                points_ = ScrambledNet{bits_, key | ((place ^ mix(base_ + 1U)) & kQuarters)};
+                key = (key & ~kQuarters) | ((place ^ mix(base_ + 1U)) & kQuarters);
             }
+            points_ = ScrambledNet{bits_, key};
         }
         [[nodiscard]] const ScrambledNet& points() const noexcept { return points_; }
         [[nodiscard]] CellRay cell(std::uint32_t k) const noexcept {
             CellRay ray;
             ray.index = k;
             if (net_) {
-                const ScrambledNet::Cell at = points_.point(k);
+                const ScrambledNet::Cell at = points_.point(points_.in_parts(k, part_bits_));
                 ray.width = ray.height = 1.0F / static_cast<float>(count_);
                 ray.u = static_cast<float>(at.u) * ray.width;
                 ray.v = static_cast<float>(at.v) * ray.height;
@@ -175,44 +244,53 @@ private:
         }
 
     private:
-        int count_, bits_;
-        bool net_;
+        int count_, bits_, part_bits_;
+        bool net_, interleaved_;
         std::uint32_t base_;
         Strata strata_;
         ScrambledNet points_{0, 0};
     };
 
-    [[nodiscard]] Samples samples(int count, std::uint32_t stream) const {
-        return {count, points_.one_dimensional(), sequence_base(options_.seed, stream)};
+    [[nodiscard]] Samples samples(const Walk& walk) const {
+        return {walk, points_.one_dimensional(), sequence_base(options_.seed, walk.stream)};
+    }
+
+    /// Sets V of the listed pixels to the share of their rays that got through.
+    /// @param before  V by the rays before walk.first, where there are any
+    void trace_walk(std::span<const std::uint8_t> listed, const Walk& walk, std::span<float> visibility,
+                    std::span<const float> before = {}) {
+        trace_equally(listed, walk, [&](std::uint32_t pixel, std::span<const std::uint8_t> seen) {
+            const auto all = static_cast<float>(walk.first + walk.count);
+            const float earlier = walk.first > 0 ? before[pixel] * static_cast<float>(walk.first) : 0.0F;
+            visibility[pixel] = (earlier + static_cast<float>(std::accumulate(seen.begin(), seen.end(), 0))) / all;
+        });
     }
 
     /// Calls store(pixel, seen) with the samples' visibility in their order.
     template <class Store>
-    void trace_equally(std::span<const std::uint8_t> listed, int count, std::uint32_t stream, const Store& store) {
-        for_tiles(rays_, view_, points_, listed, options_.seed, stream, control_,
+    void trace_equally(std::span<const std::uint8_t> listed, const Walk& walk, const Store& store) {
+        for_tiles(rays_, view_, points_, listed, options_.seed, walk.stream, control_,
                   [&](TileTracer& tracer, const TileReceivers& receivers) {
-                      Samples at = samples(count, stream);
-                      const auto per_pixel = static_cast<std::size_t>(count);
+                      Samples at = samples(walk);
+                      const auto per_pixel = static_cast<std::size_t>(walk.count);
+                      const auto width = static_cast<std::uint32_t>(view_.width);
                       std::vector<std::uint8_t> seen(static_cast<std::size_t>(receivers.count()) * per_pixel);
                       int receiver = 0;
                       int k = 0;
                       std::size_t told = 0;
-                      const auto start = [&](std::uint32_t pixel) {
-                          interleaved_ ? at.start(pixel, static_cast<std::uint32_t>(view_.width)) : at.start(pixel);
-                      };
-                      start(receivers.pixel(0));
+                      at.start(receivers.pixel(0), width);
                       tracer.trace_cells(
                           receivers,
                           [&](CellRay& ray) {
                               if (receiver == receivers.count()) {
                                   return false;
                               }
-                              ray = at.cell(static_cast<std::uint32_t>(k));
+                              ray = at.cell(static_cast<std::uint32_t>(walk.first + k));
                               ray.receiver = static_cast<std::uint16_t>(receiver);
-                              if (++k == count) {
+                              if (++k == walk.count) {
                                   k = 0;
                                   if (++receiver < receivers.count()) {
-                                      start(receivers.pixel(receiver));
+                                      at.start(receivers.pixel(receiver), width);
                                   }
                               }
                               return true;
@@ -234,10 +312,62 @@ private:
         return open;
     }
 
-    /// @return 1 where the penumbra is too narrow for it
-    std::vector<std::uint8_t> share_first_rays(std::span<float> visibility) {
-        std::vector<std::uint8_t> open(listed_.size(), 0);
-        const std::vector<float> found(visibility.begin(), visibility.end());
+    /// Step 2, and 3 where there are rays for it.
+    void trace_rest(const std::vector<std::uint8_t>& open, MaskedTraceCounts& counts, std::span<float> visibility) {
+        counts.full_pixels = static_cast<std::uint64_t>(std::ranges::count(open, 1));
+        if (options_.rays < 2 * kBoardStrata) {
+            trace_walk(open, {.count = options_.rays, .of = options_.rays, .stream = kBoardStream}, visibility);
+        } else {
+            fill_boards(open, visibility);
+            refine(open, visibility);
+        }
+    }
+
+    /// All steps where pixels lend each other what they found. A pixel's own rays may then decide how many follow, so
+    /// each goes on from those it has.
+    void share(int first, bool more, MaskedTraceCounts& counts, std::span<float> visibility) {
+        const bool one_net = options_.rays < 2 * kBoardStrata && !points_.one_dimensional() && is_power_of_two(first) &&
+                             is_power_of_two(options_.rays);
+        const int all = one_net && more ? options_.rays : first;
+        const int begin = one_net ? std::min(first, kBeginRays) : first;
+        Walk walk{.first = 0,
+                  .count = begin,
+                  .of = all,
+                  .stream = kFirstStream,
+                  .interleaved = true,
+                  .part_bits = one_net ? bits_of(all / (all > first ? first : begin)) : 0};
+        trace_walk(listed_, walk, visibility);
+        std::vector<std::uint8_t> open(listed_.begin(), listed_.end());
+        if (begin < first) {
+            undecided(visibility, open);
+            found_.assign(visibility.begin(), visibility.end());
+            walk = walk.next(first - begin);
+            trace_walk(open, walk, visibility, found_);
+        }
+        found_.assign(visibility.begin(), visibility.end());
+        share_first_rays(first, open, visibility);
+        if (more && one_net) {
+            counts.full_pixels = static_cast<std::uint64_t>(std::ranges::count(open, 1));
+            trace_walk(open, walk.next(all - first), visibility, found_);
+        } else if (more) {
+            trace_rest(open, counts, visibility);
+        }
+    }
+
+    /// Takes from `open` what has rays that all agree with those of the eight pixels around.
+    void undecided(std::span<const float> visibility, std::vector<std::uint8_t>& open) const {
+        std::vector<std::uint8_t> found(open.size());
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            found[i] = found_by(visibility[i]);
+        }
+        open_where_mixed(found, view_.width, view_.height, 1, open, control_);
+    }
+
+    /// V by what the pixels around found as well.
+    /// @param open  pixels to be looked at; 0 after it but for those whose penumbra is too narrow for it. Where it is
+    ///              sharp, those are left out whose own rays agree, if these are not few: of f of the light that an
+    ///              edge hides, n strata miss all 1 - n f times, and 2 n of them would err by as much.
+    void share_first_rays(int first, std::vector<std::uint8_t>& open, std::span<float> visibility) {
         const auto noise = static_cast<float>(kScatter * 0.37 * std::pow(options_.first_rays, -0.75));
         parallel_for(
             view_.height, 8,
@@ -246,15 +376,20 @@ private:
                 const auto width = static_cast<std::size_t>(view_.width);
                 for (std::size_t i = static_cast<std::size_t>(begin) * width; i < static_cast<std::size_t>(end) * width;
                      ++i) {
-                    if (listed_[i] != 0) {
-                        const SharedFit fit = fit_around(view_, found, i, options_.share);
+                    if (open[i] == 0) {
+                        continue;
+                    }
+                    const SharedFit fit = fit_around(view_, found_, i, options_.share);
+                    const bool narrow = fit.slope > kSteep || fit.scatter > noise;
+                    const bool agree = fit.slope > kSharp && first >= kEnoughToAgree &&
+                                       (found_[i] <= 0.0F || found_[i] >= 1.0F);
+                    open[i] = narrow && !agree ? 1 : 0;
+                    if (!narrow) {
                         visibility[i] = fit.visibility;
-                        open[i] = fit.slope > kSteep || fit.scatter > noise ? 1 : 0;
                     }
                 }
             },
             control_);
-        return open;
     }
 
     /// Step 2.
@@ -263,10 +398,11 @@ private:
         for (std::size_t i = 0; i < boards_.size(); ++i) {
             boards_[i] = visibility[i] >= 1.0F ? ~Board{0} : Board{0};
         }
-        const Samples shape = samples(kBoardStrata, kBoardStream);
-        trace_equally(open, kBoardStrata, kBoardStream, [&](std::uint32_t pixel, std::span<const std::uint8_t> seen) {
+        const Walk walk{.count = kBoardStrata, .of = kBoardStrata, .stream = kBoardStream};
+        const Samples shape = samples(walk);
+        trace_equally(open, walk, [&](std::uint32_t pixel, std::span<const std::uint8_t> seen) {
             Samples at = shape;
-            at.start(pixel);
+            at.start(pixel, static_cast<std::uint32_t>(view_.width));
             Board board = 0;
             for (std::uint32_t k = 0; k < kBoardStrata; ++k) {
                 std::uint32_t stratum = k;
@@ -285,7 +421,9 @@ private:
         constexpr int kSideBits = 3;
         const bool line = points_.one_dimensional();
         const int parts = static_cast<int>(std::bit_floor(static_cast<unsigned>(options_.rays / kBoardStrata)));
-        const Samples shape = samples(parts * kBoardStrata, kFineStream);
+        const int strata = parts * kBoardStrata;
+        const Samples shape = samples({.count = strata, .of = strata, .stream = kFineStream});
+        const auto width = static_cast<std::uint32_t>(view_.width);
         // By the inverse of their variances, as if an edge crossed the stratum.
         const auto own_weight = static_cast<float>(1.0 / (1.0 + std::pow(parts, line ? 2.0 : 1.5)));
         // V before this step says which pixels around are known.
@@ -302,7 +440,7 @@ private:
                       std::uint32_t part = 0;
                       std::uint32_t first = 0;
                       Board left = wanted[0];
-                      at.start(receivers.pixel(0));
+                      at.start(receivers.pixel(0), width);
                       tracer.trace_cells(
                           receivers,
                           [&](CellRay& ray) {
@@ -311,7 +449,7 @@ private:
                                       return false;
                                   }
                                   left = wanted[static_cast<std::size_t>(receiver)];
-                                  at.start(receivers.pixel(receiver));
+                                  at.start(receivers.pixel(receiver), width);
                               }
                               if (part == 0) {
                                   const auto s = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -367,74 +505,29 @@ private:
     Control& control_;
     LightPoints points_;
     std::vector<Board> boards_;
+    std::vector<float> found_;  ///< V by a pixel's own first rays
     std::atomic<std::uint64_t> rays_cast_{0};
-    bool interleaved_ = false;  ///< first rays that will be shared
 };
-
-/// Least and most V of the listed pixels in each column of a window; 1 and 0 where there are none.
-struct Extremes {
-    std::vector<float> least, most;
-    explicit Extremes(std::size_t columns) : least(columns), most(columns) {}
-};
-
-/// Of the rows up to kPilotRadius away from y.
-void extremes_of_columns(const View& view, std::span<const std::uint8_t> listed, std::span<const float> visibility,
-                         int y, Extremes& out) {
-    std::ranges::fill(out.least, 1.0F);
-    std::ranges::fill(out.most, 0.0F);
-    const auto width = static_cast<std::size_t>(view.width);
-    for (int row = std::max(0, y - kPilotRadius); row <= std::min(view.height - 1, y + kPilotRadius); ++row) {
-        const std::size_t first = static_cast<std::size_t>(row) * width;
-        for (std::size_t x = 0; x < width; ++x) {
-            const bool counts = listed[first + x] != 0;
-            out.least[x] = std::min(out.least[x], counts ? visibility[first + x] : 1.0F);
-            out.most[x] = std::max(out.most[x], counts ? visibility[first + x] : 0.0F);
-        }
-    }
-}
 
 }  // namespace
 
-std::vector<std::uint8_t> find_penumbrae(const RayScene& rays, const View& view, const Light& light,
-                                         std::span<const std::uint8_t> listed, std::uint32_t seed,
-                                         std::span<float> visibility, Control& control) {
-    PENUMBRA_ASSERT(listed.size() == view.size() && visibility.size() == view.size());
+void find_penumbrae(const RayScene& rays, const View& view, const Light& light, std::span<const std::uint8_t> listed,
+                    std::uint32_t seed, std::span<std::uint8_t> open, std::span<float> visibility, Control& control) {
+    PENUMBRA_ASSERT(listed.size() == view.size() && visibility.size() == view.size() && open.size() == view.size());
     const LightPoints points{light, rays.frame()};
     // The lanes of a packet are a block of pixels, and each lane has a stratum of its own.
     const Cells cells =
         make_cells(SamplePattern::Stratified, false, kPilotStrata, 0, kPilotStrata, points.one_dimensional());
+    std::ranges::fill(visibility, -1.0F);
     for_tiles(
         rays, view, points, listed, seed, kPilotStream, control,
         [&](TileTracer& tracer, const TileReceivers& receivers) { tracer.trace_one(receivers, cells, visibility); });
-    std::vector<std::uint8_t> open(view.size(), 0);
-    const auto width = static_cast<std::size_t>(view.width);
-    const auto open_in_row = [&](int y, Extremes& of_columns) {
-        extremes_of_columns(view, listed, visibility, y, of_columns);
-        for (std::size_t x = 0; x < width; ++x) {
-            const std::size_t i = static_cast<std::size_t>(y) * width + x;
-            if (listed[i] != 0) {
-                const std::size_t first = x - std::min<std::size_t>(x, kPilotRadius);
-                const std::size_t last = std::min(width - 1, x + kPilotRadius);
-                float least = 1.0F;
-                float most = 0.0F;
-                for (std::size_t column = first; column <= last; ++column) {
-                    least = std::min(least, of_columns.least[column]);
-                    most = std::max(most, of_columns.most[column]);
-                }
-                open[i] = least < most ? 1 : 0;
-            }
-        }
-    };
-    parallel_for(
-        view.height, 8,
-        [&](std::int64_t begin, std::int64_t end) {
-            Extremes of_columns{width};
-            for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-                open_in_row(y, of_columns);
-            }
-        },
-        control);
-    return open;
+    std::vector<std::uint8_t> found(view.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        found[i] = found_by(visibility[i]);
+        open[i] = listed[i] != 0 ? 1 : 0;
+    }
+    open_where_mixed(found, view.width, view.height, kPilotRadius, open, control);
 }
 
 MaskedTraceCounts trace_masked(const RayScene& rays, const View& view, const Light& light,

@@ -30,12 +30,12 @@ inline constexpr int kPilotRadius = 2;  ///< pixels
 /// agree, V is taken to be what they found. That misses what none of them met: it is not right on average, unlike the
 /// rays that follow.
 ///
-/// @param visibility  view.size() entries; 0 or 1 for each listed pixel, right where that is sure; the others are left
-///                    alone
-/// @return 1 where V has to be found out @throws Cancelled
-std::vector<std::uint8_t> find_penumbrae(const RayScene& rays, const View& view, const Light& light,
-                                         std::span<const std::uint8_t> listed, std::uint32_t seed,
-                                         std::span<float> visibility, Control& control);
+/// @param open        set to 1 where V has to be found out, else 0; view.size() entries
+/// @param visibility  set to 0 or 1 for each listed pixel, right where that is sure, and to -1 for the others;
+///                    view.size() entries
+/// @throws Cancelled
+void find_penumbrae(const RayScene& rays, const View& view, const Light& light, std::span<const std::uint8_t> listed,
+                    std::uint32_t seed, std::span<std::uint8_t> open, std::span<float> visibility, Control& control);
 
 /// V of some pixels by shadow rays that go where they are needed: to pixels, and to parts of the light, around which
 /// others find visibility to change.
@@ -48,7 +48,8 @@ std::vector<std::uint8_t> find_penumbrae(const RayScene& rays, const View& view,
 ///
 /// With `share` there is another step between 1 and 2: V is the plane fitted to what all pixels of the same surface
 /// around found, and only those go on whose penumbra is too narrow for that (steeper than kSteep per pixel). The pixels
-/// of a 4 x 4 block then cast their first rays to different parts of the light [Keller2001].
+/// of a 4 x 4 block then cast their first rays to different parts of the light [Keller2001]. Where step 2 is the last
+/// and both counts are powers of two, first rays count there as well.
 ///
 /// Without it a pixel's own rays never decide how many it gets nor where, so V is unbiased: it is the mean over strata
 /// of their own means, and the strata are weighted by their size alone. With `rays` up to 64 there are steps 1 and 2

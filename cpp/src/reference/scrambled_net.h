@@ -35,6 +35,28 @@ public:
         return (high_u << static_cast<unsigned>(low)) | reversed(high_v, side_bits);
     }
 
+    /// The number of the point that comes m-th when the net is taken in 2^part_bits parts, each of which is a net as well:
+    /// a first part that turns out to be too small can then be gone on from. A part is what the exclusive or of all
+    /// groups of part_bits digits is: of any part_bits digits in a row the others then leave one choice, and what a
+    /// net of the part's size may not look at is such a row. Its error for straight edges is that of a net of its size
+    /// and 0.5 to 3 % (two bits), 4 to 9 % (one bit).
+    /// @param part_bits  0 .. bits
+    [[nodiscard]] constexpr std::uint32_t in_parts(std::uint32_t m, int part_bits) const noexcept {
+        if (part_bits == 0) {
+            return m;
+        }
+        const auto rows = static_cast<unsigned>(part_bits);
+        const std::uint32_t mask = (1U << rows) - 1U;
+        // Backwards, so that the first four points of the first part are a net too.
+        const std::uint32_t upper =
+            reversed(m & ((1U << static_cast<unsigned>(bits_ - part_bits)) - 1U), bits_ - part_bits);
+        std::uint32_t last = m >> static_cast<unsigned>(bits_ - part_bits);
+        for (std::uint32_t left = upper; left != 0; left >>= rows) {
+            last ^= left & mask;
+        }
+        return upper << rows | last;
+    }
+
 private:
     [[nodiscard]] static constexpr std::uint32_t reversed(std::uint32_t x, int bits) noexcept {
         x = ((x & 0x5555U) << 1U) | ((x >> 1U) & 0x5555U);

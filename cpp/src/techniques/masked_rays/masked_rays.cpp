@@ -1,6 +1,7 @@
 #include "techniques/masked_rays/masked_rays.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "passes/frame.h"
 #include "reference/ray_scene.h"
@@ -33,7 +34,7 @@ std::vector<SettingInfo> masked_rays_settings() {
          .minimum = 1,
          .maximum = 65536,
          .choices = {},
-         .sweep = {8, 16, 64, 256, 1024, 4096}});
+         .sweep = {4, 8, 16, 32, 64, 128, 256, 512, 1024, 4096}});
     settings.push_back(
         {.id = "first_rays",
          .label = "First rays",
@@ -43,7 +44,7 @@ std::vector<SettingInfo> masked_rays_settings() {
          .minimum = 1,
          .maximum = 4096,
          .choices = {},
-         .sweep = {4, 16, 64}});
+         .sweep = {8, 16, 64}});
     settings.push_back({.id = "share",
                         .label = "Share",
                         .unit = "pixels",
@@ -140,60 +141,64 @@ void MaskedRays::update(Frame& frame) {
 
 void MaskedRays::resolve(Frame& frame) {
     mask_.classify(frame);
-    const LightSummary& summary = frame.summary();
-    frame.step(kPilot, [&] { look_with_rays(frame); });
+    std::vector<float>& visibility = frame.visibility_on_cpu();
+    listed_.resize(visibility.size());
+    frame.step(kPilot, [&] {
+        find_penumbrae(frame.ray_scene(), frame.view(), frame.light(), frame.summary().mask, options_.seed, listed_,
+                       visibility, frame.control());
+    });
     frame.step("rays", [&] {
-        std::vector<float>& visibility = frame.visibility_on_cpu();
         if (!frame.plan().runs(kPilot)) {
-            classes_.assign(visibility.size(), 0);
+            list_by_mask(frame);
         }
-        // A light without extent has no mask: one ray each.
-        if (frame.plan().runs("penumbra mask")) {
-            mask_.read_classes(classes_);
-        }
-        std::vector<std::uint8_t> listed(visibility.size());
-        for (std::size_t i = 0; i < listed.size(); ++i) {
-            const bool asked = summary.mask[i] != 0;
-            const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
-            listed[i] = asked && found == PenumbraMask::Class::Maybe ? 1 : 0;
-            visibility[i] = !asked ? -1.0F : (found == PenumbraMask::Class::Umbra ? 0.0F : 1.0F);
-        }
-        counts_ =
-            trace_masked(frame.ray_scene(), frame.view(), frame.light(), listed, options_, visibility, frame.control());
-        counts_.rays += pilot_rays_;
-        if (summary.keeps("pixel-outside-mask")) {
+        counts_ = trace_masked(frame.ray_scene(), frame.view(), frame.light(), listed_, options_, visibility,
+                               frame.control());
+        if (frame.summary().keeps("pixel-outside-mask")) {
             trace_unasked(frame);
         }
     });
 }
 
+void MaskedRays::list_by_mask(Frame& frame) {
+    const LightSummary& summary = frame.summary();
+    std::vector<float>& visibility = frame.visibility_on_cpu();
+    classes_.assign(visibility.size(), static_cast<std::uint8_t>(PenumbraMask::Class::Maybe));
+    // A light without extent has no mask: one ray each.
+    if (frame.plan().runs("penumbra mask")) {
+        mask_.read_classes(classes_);
+    }
+    for (std::size_t i = 0; i < listed_.size(); ++i) {
+        const bool asked = summary.mask[i] != 0;
+        const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
+        listed_[i] = asked && found == PenumbraMask::Class::Maybe ? 1 : 0;
+        visibility[i] = !asked ? -1.0F : (found == PenumbraMask::Class::Umbra ? 0.0F : 1.0F);
+    }
+}
+
 void MaskedRays::trace_unasked(Frame& frame) const {
     const View& view = frame.view();
+    const bool by_pilot = frame.plan().runs(kPilot);
     std::vector<std::uint8_t> unasked(view.size());
     for (std::size_t i = 0; i < unasked.size(); ++i) {
-        const auto found = static_cast<PenumbraMask::Class>(classes_[i]);
-        unasked[i] = view.hit(i) && frame.summary().mask[i] == 0 && found == PenumbraMask::Class::Maybe ? 1 : 0;
+        const bool maybe = by_pilot || static_cast<PenumbraMask::Class>(classes_[i]) == PenumbraMask::Class::Maybe;
+        unasked[i] = view.hit(i) && frame.summary().mask[i] == 0 && maybe ? 1 : 0;
     }
     std::vector<float> nobodys(view.size(), -1.0F);
-    if (frame.plan().runs(kPilot)) {
-        unasked =
-            find_penumbrae(frame.ray_scene(), view, frame.light(), unasked, options_.seed, nobodys, frame.control());
+    if (by_pilot) {
+        std::vector<std::uint8_t> open(view.size());
+        find_penumbrae(frame.ray_scene(), view, frame.light(), unasked, options_.seed, open, nobodys, frame.control());
+        unasked = std::move(open);
     }
     trace_masked(frame.ray_scene(), view, frame.light(), unasked, options_, nobodys, frame.control());
 }
 
-void MaskedRays::look_with_rays(Frame& frame) {
-    const std::vector<std::uint8_t>& asked = frame.summary().mask;
-    std::vector<float>& visibility = frame.visibility_on_cpu();
-    const std::vector<std::uint8_t> open = find_penumbrae(frame.ray_scene(), frame.view(), frame.light(), asked,
-                                                          options_.seed, visibility, frame.control());
-    classes_.resize(open.size());
-    pilot_rays_ = 0;
-    for (std::size_t i = 0; i < open.size(); ++i) {
+void MaskedRays::classify_by_pilot(Frame& frame) {
+    const std::vector<float>& visibility = frame.visibility_on_cpu();
+    classes_.resize(listed_.size());
+    for (std::size_t i = 0; i < listed_.size(); ++i) {
         const auto sure = visibility[i] > 0.0F ? PenumbraMask::Class::Lit : PenumbraMask::Class::Umbra;
-        const bool decided = asked[i] != 0 && open[i] == 0;
+        const bool decided = frame.summary().mask[i] != 0 && listed_[i] == 0;
         classes_[i] = static_cast<std::uint8_t>(decided ? sure : PenumbraMask::Class::Maybe);
-        pilot_rays_ += asked[i] != 0 ? 1 : 0;
     }
 }
 
@@ -202,6 +207,11 @@ std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
         return {};
     }
     std::vector<Statistic> all;
+    std::uint64_t rays = counts_.rays;
+    if (frame.plan().runs(kPilot)) {
+        classify_by_pilot(frame);
+        rays += frame.summary().lit_pixels;
+    }
     if (frame.plan().runs("penumbra mask") || frame.plan().runs(kPilot)) {
         all = PenumbraMask::statistics(frame.summary(), classes_);
         if (check_rays_ > 0) {
@@ -212,9 +222,9 @@ std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
     const auto asked = static_cast<double>(std::max<std::uint64_t>(1, frame.summary().lit_pixels));
     all.push_back(
         {"full_share", "Pixels with all rays", "share of the mask", static_cast<double>(counts_.full_pixels) / asked});
-    all.push_back({"rays", "Rays cast", "rays", static_cast<double>(counts_.rays)});
+    all.push_back({"rays", "Rays cast", "rays", static_cast<double>(rays)});
     all.push_back(
-        {"rays_per_traced_pixel", "Rays per traced pixel", "rays", static_cast<double>(counts_.rays) / pixels});
+        {"rays_per_traced_pixel", "Rays per traced pixel", "rays", static_cast<double>(rays) / pixels});
     return all;
 }
 

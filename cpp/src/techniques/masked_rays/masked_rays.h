@@ -24,7 +24,9 @@ public:
     void prepare(Frame& frame) override;
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
-    [[nodiscard]] std::size_t memory_bytes() const noexcept override { return mask_.bytes() + classes_.capacity(); }
+    [[nodiscard]] std::size_t memory_bytes() const noexcept override { 
+        return mask_.bytes() + classes_.capacity() + listed_.capacity();
+    }
     [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
     [[nodiscard]] std::vector<DebugView> debug_views(const Plan& plan) const override;
     [[nodiscard]] DebugImage debug_image(Frame& frame, std::string_view id) override;
@@ -36,16 +38,18 @@ private:
     /// V of what the rule pixel-outside-mask leaves out, for nobody: pixels lend each other what they find, so the
     /// others must not see it.
     void trace_unasked(Frame& frame) const;
-    /// Classes by a ray of each pixel.
-    void look_with_rays(Frame& frame);
+    /// What the maps leave open, and V of the rest.
+    void list_by_mask(Frame& frame);
+    /// Classes of what the pilot rays found, for statistics.
+    void classify_by_pilot(Frame& frame);
 
     MaskedTraceOptions options_;
     int check_rays_;
     bool by_rays_;
     PenumbraMask mask_;
-    std::vector<std::uint8_t> classes_;
+    std::vector<std::uint8_t> listed_;   ///< 1 where rays find V
+    std::vector<std::uint8_t> classes_;  ///< by the maps
     MaskedTraceCounts counts_;
-    std::uint64_t pilot_rays_ = 0;
 };
 
 }  // namespace penumbra
