@@ -13,10 +13,20 @@ using namespace pybind11::literals;
 
 namespace {
 
+ViewBy view_by_of(const std::string& name) {
+    if (name != "raster" && name != "rays") {
+        throw InvalidSettings("view_by is \"" + name + "\"; choose from: raster, rays");
+    }
+    return name == "rays" ? ViewBy::Rays : ViewBy::Raster;
+}
+
 /// The renderer and the size of its images, so that arrays get their shape.
 struct PyRenderer {
-    PyRenderer(const std::string& device, bool debug, std::size_t most_kept_bytes)
-        : renderer{{.device = device, .debug = debug, .most_kept_bytes = most_kept_bytes}} {}
+    PyRenderer(const std::string& device, bool debug, std::size_t most_kept_bytes, const std::string& view_by)
+        : renderer{{.device = device,
+                    .debug = debug,
+                    .view_by = view_by_of(view_by),
+                    .most_kept_bytes = most_kept_bytes}} {}
     Renderer renderer;
     py::ssize_t width = 512, height = 512;
 
@@ -70,7 +80,7 @@ void bind_view(py::module_& m) {
 py::dict environment(const PyRenderer& self) {
     const Environment& e = self.renderer.environment();
     return py::dict("gl_renderer"_a = e.gl_renderer, "gl_version"_a = e.gl_version, "gl_vendor"_a = e.gl_vendor,
-                    "device"_a = e.device, "software"_a = e.software, "threads"_a = e.threads, "embree"_a = e.embree);
+                    "device"_a = e.device, "software"_a = e.software, "threads"_a = e.threads, "embree"_a = e.embree, "view_by"_a = e.view_by);
 }
 
 void set_scene(PyRenderer& self, const Scene& scene) {
@@ -232,10 +242,13 @@ void bind_renderer(py::module_& m) {
     py::class_<PyRenderer>(m, "Renderer",
                            "Renders one scene on one device, on a thread of its own. Long calls release the GIL, hear\n"
                            "Ctrl-C, and tell progress(fraction, text) if it is given.")
-        .def(py::init<const std::string&, bool, std::size_t>(), "device"_a = "", "debug"_a = false,
-             "most_kept_bytes"_a = RendererOptions{}.most_kept_bytes, py::call_guard<py::gil_scoped_release>(),
+        .def(py::init<const std::string&, bool, std::size_t, const std::string&>(), "device"_a = "", "debug"_a = false,
+             "most_kept_bytes"_a = RendererOptions{}.most_kept_bytes, "view_by"_a = "raster",
+             py::call_guard<py::gil_scoped_release>(),
              "device: \"\" (automatic), an index, or part of a renderer's name. Raises DeviceError.\n"
-             "most_kept_bytes: of the frames that visibility(reuse=True) keeps, in main memory.")
+             "most_kept_bytes: of the frames that visibility(reuse=True) keeps, in main memory.\n"
+             "view_by: \"raster\" draws what the camera sees; \"rays\" traces it, which is faster without a graphics\n"
+             "card where meshes are heavy and stand still.")
         .def_property_readonly("environment", &environment)
         .def("work", &work, "What it has done so far: programs compiled, views drawn, frames made and kept, and more.")
         .def("set_scene", &set_scene, "scene"_a, "Checks the scene and makes it current. Raises InvalidScene.")

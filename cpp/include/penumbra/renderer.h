@@ -16,9 +16,15 @@
 
 namespace penumbra {
 
+/// What finds the triangle that each pixel shows. Rays need no drawing, which pays without a graphics card where meshes
+/// are heavy; they are as exact as float32 in the frame of the whole scene, where a rasteriser's numbers are the
+/// camera's but its grid is 1/256 pixel.
+enum class ViewBy { Raster, Rays };
+
 struct RendererOptions {
     std::string device;  ///< "" first hardware device with OpenGL 4.5, else software; or index, or part of a name
     bool debug = false;  ///< driver messages become errors
+    ViewBy view_by = ViewBy::Raster;
     std::size_t most_kept_bytes = std::size_t{256} << 20U;  ///< of the frames that Job::reuse keeps, in main memory
 };
 
@@ -27,6 +33,7 @@ struct Environment {
     std::string gl_renderer, gl_version, gl_vendor, device;
     bool software = false;
     int threads = 0;
+    std::string view_by;  ///< "raster" or "rays"
     std::string embree;
 };
 

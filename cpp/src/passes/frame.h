@@ -50,7 +50,10 @@ public:
         in_.adjacency.update(in_.gpu_scene);
         return in_.adjacency;
     }
-    [[nodiscard]] const ViewPass& view_pass() const noexcept { return in_.view_pass; }
+    /// See ViewPass::depth_stencil().
+    [[nodiscard]] const TextureImage& view_depth() const {
+        return in_.view_pass.depth_stencil(in_.device, in_.gpu_scene, in_.scene);
+    }
     [[nodiscard]] const View& view() const noexcept { return in_.view; }
     [[nodiscard]] const LightSummary& summary() const noexcept { return in_.summary; }
     [[nodiscard]] const Light& light() const noexcept { return *in_.summary.light; }

@@ -65,15 +65,13 @@ void ViewPass::allocate(int width_px, int height_px) {
     }
     ids_ = TextureImage::make_2d(GL_RG32UI, width_px, height_px, "view ids");
     depth_ = TextureImage::make_2d(GL_DEPTH32F_STENCIL8, width_px, height_px, "view depth");
-    receiver_ = {};
     ids_target_ = RenderTarget{"view ids"};
     ids_target_.attach_colour(0, ids_);
     ids_target_.attach_depth(depth_);
-    seen_.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
 }
 
 void ViewPass::upload(const View& view, Control& control) {
-    if (!receiver_) {
+    if (!receiver_ || receiver_.width() != view.width || receiver_.height() != view.height) {
         receiver_ = TextureImage::make_2d(GL_RGBA32UI, view.width, view.height, "view receiver");
     }
     receivers_.resize(view.size());
@@ -92,6 +90,32 @@ const TextureImage& ViewPass::receiver(const View& view, Control& control) {
 }
 
 View ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, Control& control, View spare) {
+    draw(device, gpu_scene, scene);
+    seen_.resize(static_cast<std::size_t>(ids_.width()) * static_cast<std::size_t>(ids_.height()));
+    ids_.read_into(std::span{seen_});
+    View view = place(scene, seen_, control, std::move(spare));
+    drawn_ = true;
+    return view;
+}
+
+View ViewPass::place(const Scene& scene, std::span<const glm::uvec2> seen, Control& control, View spare) {
+    drawn_ = receiver_ready_ = false;
+    View view = place_surfaces(scene, seen, control, std::move(spare));
+    if (receiver_wanted_) {
+        upload(view, control);
+    }
+    return view;
+}
+
+const TextureImage& ViewPass::depth_stencil(Device& device, GpuScene& gpu_scene, const Scene& scene) {
+    if (!drawn_) {
+        draw(device, gpu_scene, scene);
+        drawn_ = true;
+    }
+    return depth_;
+}
+
+void ViewPass::draw(Device& device, GpuScene& gpu_scene, const Scene& scene) {
     const Camera& camera = scene.camera;
     allocate(camera.width_px, camera.height_px);
 
@@ -121,14 +145,6 @@ View ViewPass::render(Device& device, GpuScene& gpu_scene, const Scene& scene, C
     gpu_scene.draw(seen, Cull::None);
     glDisable(GL_DEPTH_CLAMP);
     check_gl("view ids");
-
-    ids_.read_into(std::span{seen_});
-    View view = place_surfaces(scene, seen_, control, std::move(spare));
-    receiver_ready_ = false;
-    if (receiver_wanted_) {
-        upload(view, control);
-    }
-    return view;
 }
 
 std::size_t ViewPass::memory_bytes() const noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "gl/framebuffer.h"
@@ -24,6 +25,9 @@ public:
     /// @return without shading normals and albedo: shade_surfaces() @throws Cancelled
     View render(Device& device, GpuScene& gpu_scene, const Scene& scene, Control& control, View spare = {});
 
+    /// The same of triangles found in another way, in `seen` as place_surfaces() takes them.
+    View place(const Scene& scene, std::span<const glm::uvec2> seen, Control& control, View spare = {});
+
     /// The texture that lib/receiver.glsl reads. Made of the view when it is first asked for, and by render() itself
     /// from then on, so that the times of a view hold what its techniques need.
     /// @param view  of the last render() @throws Cancelled
@@ -32,12 +36,15 @@ public:
     void forget_readers() noexcept { receiver_wanted_ = false; }
     /// DEPTH32F_STENCIL8: reversed depth (1 near, 0 far or nothing), drawn by view_ids.vert with depth clamp on, so
     /// that a pass which places vertices by the same expression and clamps as well gets the same bits. The stencil is
-    /// whose turn it is: clear it first, leave the depth as it is.
-    [[nodiscard]] const TextureImage& depth_stencil() const noexcept { return depth_; }
+    /// whose turn it is: clear it first, leave the depth as it is. Drawn by render(); of a view that place() made, when
+    /// it is first asked for, and by place() itself never.
+    const TextureImage& depth_stencil(Device& device, GpuScene& gpu_scene, const Scene& scene);
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
 private:
     void allocate(int width_px, int height_px);
+    /// Fills ids_ and depth_.
+    void draw(Device& device, GpuScene& gpu_scene, const Scene& scene);
     void upload(const View& view, Control& control);
 
     TextureImage ids_;  ///< RG32UI: instance + 1 (0: nothing is seen), triangle of its mesh
@@ -46,7 +53,7 @@ private:
     StorageBuffer instances_;
     std::vector<glm::uvec2> seen_;
     std::vector<glm::uvec4> receivers_;
-    bool receiver_wanted_ = false, receiver_ready_ = false;
+    bool drawn_ = false, receiver_wanted_ = false, receiver_ready_ = false;
 };
 
 }  // namespace penumbra

@@ -89,7 +89,7 @@ void VolumePass::count(Frame& frame, const VolumeMask& mask) {
     if (mask.kind == Kind::Class) {
         program.set("wanted_class", mask.wanted);
     }
-    aim_at(mask.kind == Kind::DepthBounds ? *mask.depth_stencil : frame.view_pass().depth_stencil());
+    aim_at(mask.kind == Kind::DepthBounds ? *mask.depth_stencil : frame.view_depth());
     target_.bind();
     program.use();
     const bool by_bit = mask.kind == Kind::Stencil;

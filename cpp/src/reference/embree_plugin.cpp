@@ -17,6 +17,9 @@ static_assert(sizeof(Ray) == sizeof(RTCRay) && offsetof(Ray, tfar) == offsetof(R
 static_assert(sizeof(RayPacket<4>) == sizeof(RTCRay4) && offsetof(RayPacket<4>, tfar) == offsetof(RTCRay4, tfar));
 static_assert(sizeof(RayPacket<8>) == sizeof(RTCRay8) && offsetof(RayPacket<8>, tfar) == offsetof(RTCRay8, tfar));
 static_assert(sizeof(RayPacket<16>) == sizeof(RTCRay16) && offsetof(RayPacket<16>, tfar) == offsetof(RTCRay16, tfar));
+static_assert(sizeof(RayHitPacket<16>) == sizeof(RTCRayHit16) && sizeof(HitPacket<16>) == sizeof(RTCHit16) &&
+              offsetof(HitPacket<16>, geometry) == offsetof(RTCHit16, geomID) &&
+              offsetof(HitPacket<16>, instance) == offsetof(RTCHit16, instID));
 
 RTCDevice real(Device* device) {
     return reinterpret_cast<RTCDevice>(device);
@@ -28,8 +31,9 @@ RTCGeometry real(Geometry* geometry) {
     return reinterpret_cast<RTCGeometry>(geometry);
 }
 
-// Our packets are coherent, yet they are not declared so: with that flag Embree 3.13.5 was seen to loop for ever in
-// rtcOccluded16 on instances, and without it it is no slower here (ray_bench.cpp).
+// Our packets are coherent, yet shadow rays are not declared so: with that flag Embree 3.13.5 was seen to loop for ever
+// in rtcOccluded16 on instances, and without it it is no slower here (ray_bench.cpp). Camera rays take half the time
+// with it, so they have it where there are no instances.
 #if PENUMBRA_EMBREE_MAJOR >= 4
 struct Query {
     RTCOccludedArguments arguments;
@@ -53,6 +57,12 @@ void occluded8(const int* valid, Scene* scene, RayPacket<8>* rays) {
 void occluded16(const int* valid, Scene* scene, RayPacket<16>* rays) {
     Query query;
     rtcOccluded16(valid, real(scene), reinterpret_cast<RTCRay16*>(rays), &query.arguments);
+}
+void first_hit16(const int* valid, Scene* scene, RayHitPacket<16>* rays, bool coherent) {
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    rtcIntersect16(valid, real(scene), reinterpret_cast<RTCRayHit16*>(rays), &arguments);
 }
 constexpr auto occluded_stream = static_cast<void (*)(Scene*, Ray*, unsigned)>(nullptr);
 #else
@@ -78,6 +88,11 @@ void occluded8(const int* valid, Scene* scene, RayPacket<8>* rays) {
 void occluded16(const int* valid, Scene* scene, RayPacket<16>* rays) {
     Query query;
     rtcOccluded16(valid, real(scene), &query.context, reinterpret_cast<RTCRay16*>(rays));
+}
+void first_hit16(const int* valid, Scene* scene, RayHitPacket<16>* rays, bool coherent) {
+    Query query;
+    query.context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rtcIntersect16(valid, real(scene), &query.context, reinterpret_cast<RTCRayHit16*>(rays));
 }
 void occluded_stream(Scene* scene, Ray* rays, unsigned count) {
     Query query;
@@ -191,7 +206,8 @@ void commit(Scene* scene, KeepGoing keep_going, void* user) {
 const Table table{
     kTableVersion, RTC_VERSION, new_device,    release_device, loaded_version,   native_packets,
     take_status,   new_scene,   release_scene, new_triangles,  attach_triangles, attach_instance,
-    commit,        occluded1,   occluded4,     occluded8,      occluded16,       occluded_stream,
+    commit,        occluded1,   occluded4,     occluded8,      occluded16,       first_hit16,
+    occluded_stream,
 };
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace penumbra::embree {
 
 /// Raised whenever the table or a ray layout changes, so that a stale plugin is refused instead of called.
-inline constexpr int kTableVersion = 1;
+inline constexpr int kTableVersion = 2;
 
 struct Device;    // RTCDevice
 struct Scene;     // RTCScene
@@ -36,6 +36,24 @@ struct alignas(4 * Lanes) RayPacket {
     Floats dir_x, dir_y, dir_z, time;
     Floats tfar;
     Words mask, id, flags;
+};
+
+/// What a ray met first; where nothing, geometry is kNothing. Layout of RTCHit16 and its kin with one level of
+/// instances.
+template <int Lanes>
+struct alignas(4 * Lanes) HitPacket {
+    using Floats = std::array<float, Lanes>;
+    using Words = std::array<std::uint32_t, Lanes>;
+    Floats normal_x, normal_y, normal_z, u, v;
+    Words triangle, geometry, instance;
+};
+inline constexpr std::uint32_t kNothing = ~0U;
+
+/// Layout of RTCRayHit16 and its kin.
+template <int Lanes>
+struct RayHitPacket {
+    RayPacket<Lanes> ray;
+    HitPacket<Lanes> hit;
 };
 
 enum class Status : int { Ok = 0, OutOfMemory = 1, UnsupportedCpu = 2, Cancelled = 3, Failed = 4 };
@@ -72,6 +90,7 @@ struct Table {
     void (*occluded4)(const int* valid, Scene*, RayPacket<4>*);
     void (*occluded8)(const int* valid, Scene*, RayPacket<8>*);
     void (*occluded16)(const int* valid, Scene*, RayPacket<16>*);
+    void (*first_hit16)(const int* valid, Scene*, RayHitPacket<16>*, bool coherent);
     void (*occluded_stream)(Scene*, Ray*, unsigned count);  ///< null in Embree 4, which dropped streams
 };
 

@@ -38,6 +38,8 @@ constexpr int kEnoughToAgree = 8;
 constexpr float kSteep = 0.15F;
 /// Of V, per pixel: the penumbra is narrower than five pixels, and most pixels beside it see all or nothing.
 constexpr float kSharp = 0.2F;
+/// Of that scatter: not even if no more rays follow is the plane better than the pixel's own rays.
+constexpr float kRough = 1.3F;
 /// Of the noise of n first rays in a penumbra, 0.37 n^-0.75: more scatter around the plane is no noise.
 constexpr double kScatter = 1.4;
 
@@ -384,7 +386,7 @@ private:
                     const bool agree = fit.slope > kSharp && first >= kEnoughToAgree &&
                                        (found_[i] <= 0.0F || found_[i] >= 1.0F);
                     open[i] = narrow && !agree ? 1 : 0;
-                    if (!narrow) {
+                    if (!narrow || (fit.slope <= kSharp && fit.scatter <= kRough * noise)) {
                         visibility[i] = fit.visibility;
                     }
                 }

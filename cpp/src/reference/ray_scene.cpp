@@ -104,17 +104,17 @@ void RayScene::commit(embree::Scene* scene, Control& control) const {
     embree::throw_if_failed("building the acceleration structure");
 }
 
-RayScene::RayScene(const Scene& scene, Control& control)
+RayScene::RayScene(const Scene& scene, Control& control, RayTargets targets)
     : table_{&embree::library()}, device_{embree::device()}, reach_(scene.instances.size()) {
     const Bounds bounds = bounds_of(scene);
     frame_.origin_ws = bounds.centre();
     frame_.unit_m = power_of_two_above(largest(bounds.half_size()));
     top_ = new_scene();
 
-    std::unordered_map<const Mesh*, int> casting_uses;
+    std::unordered_map<const Mesh*, int> met_uses;
     std::unordered_map<const Mesh*, int> uses;
     for (const Instance& instance : scene.instances) {
-        casting_uses[instance.mesh.get()] += instance.casts ? 1 : 0;
+        met_uses[instance.mesh.get()] += is_target(instance, targets) ? 1 : 0;
         ++uses[instance.mesh.get()];
     }
 
@@ -151,7 +151,8 @@ RayScene::RayScene(const Scene& scene, Control& control)
         const glm::dmat3 linear = glm::dmat3(instance.world_from_local) * per_unit;
         const glm::dvec3 offset = (glm::dvec3(instance.world_from_local[3]) - frame_.origin_ws) * per_unit;
 
-        const bool as_instance = instance.casts && casting_uses[&mesh] > 1 && condition(linear) <= kLargestCondition;
+        const bool is_met = is_target(instance, targets);
+        const bool as_instance = is_met && met_uses[&mesh] > 1 && condition(linear) <= kLargestCondition;
         if (as_instance) {
             const Child& child = child_of(mesh);
             const glm::mat3 axes{linear * child.unit};
@@ -170,12 +171,15 @@ RayScene::RayScene(const Scene& scene, Control& control)
             if (uses[&mesh] == 1) {
                 reach_[i].per_triangle = std::move(reach);
             }
-            if (instance.casts) {
+            if (is_met) {
                 attach_mesh(*table_, device_, top_.get(), mesh, positions_an);
                 triangle_count_ += mesh.triangles.size();
             }
         }
-        empty_ = empty_ && !instance.casts;
+        if (is_met) {
+            instance_of_.push_back(static_cast<std::uint32_t>(i));
+        }
+        empty_ = empty_ && !is_met;
     }
     embree::throw_if_failed("collecting the instances");
     commit(top_.get(), control);

@@ -17,14 +17,21 @@ namespace penumbra {
 inline constexpr int kRayLanes = 16;
 using RayPacket = embree::RayPacket<kRayLanes>;
 
-/// The casting instances of a scene, ready for occlusion rays. Immutable, so any number of threads may trace.
+/// Which instances of a scene rays can meet.
+enum class RayTargets { Casting, Visible };
+[[nodiscard]] constexpr bool is_target(const Instance& instance, RayTargets targets) noexcept {
+    return targets == RayTargets::Casting ? instance.casts : instance.visible;
+}
+
+/// The casting instances of a scene, ready for occlusion rays, or those that the camera sees, ready for its own.
+/// Immutable, so any number of threads may trace.
 ///
 /// A mesh that casts once is flattened into the anchor frame in float64; a mesh that casts several times is built once
 /// and instanced, unless its transform shears so strongly that float32 rays would lose digits in its local space.
 class RayScene {
 public:
     /// Builds on thread_count() threads. @throws Cancelled, OutOfMemory, DeviceError (no Embree)
-    RayScene(const Scene& scene, Control& control);
+    RayScene(const Scene& scene, Control& control, RayTargets targets = RayTargets::Casting);
 
     [[nodiscard]] const AnchorFrame& frame() const noexcept { return frame_; }
     /// True if nothing casts: everything is lit.
@@ -57,6 +64,16 @@ public:
             table_->occluded_stream(top_.get(), rays, count);
         }
     }
+    /// The first hits of the lanes with valid -1; initialise `geometry` to embree::kNothing.
+    void first_hit(const int* valid, embree::RayHitPacket<kRayLanes>& rays) const noexcept {
+        if (!empty_) {
+            table_->first_hit16(valid, top_.get(), &rays, instanced_count_ == 0);
+        }
+    }
+    /// Index into Scene::instances of what a lane of first_hit() met.
+    [[nodiscard]] std::uint32_t instance_of(std::uint32_t geometry, std::uint32_t embree_instance) const noexcept {
+        return instance_of_[embree_instance != embree::kNothing ? embree_instance : geometry];
+    }
     /// The Embree scene itself, for benchmarks.
     [[nodiscard]] embree::Scene* handle() const noexcept { return top_.get(); }
 
@@ -75,6 +92,7 @@ private:
     std::vector<ScenePtr> shared_;  ///< one per instanced mesh; outlives top_
     ScenePtr top_;
     std::vector<Reach> reach_;
+    std::vector<std::uint32_t> instance_of_;  ///< by the number that Embree gave it in top_
     std::size_t triangle_count_ = 0;
     std::size_t instanced_count_ = 0;
     bool empty_ = true;

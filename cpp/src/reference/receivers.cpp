@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "reference/four_lanes.h"
@@ -20,6 +21,13 @@ PENUMBRA_INLINE float largest(float x, float y, float z) noexcept {
 PENUMBRA_INLINE bool all_wanted(const std::uint8_t* mask, const std::int32_t* instance) noexcept {
     const bool in_mask = mask[0] != 0 && mask[1] != 0 && mask[2] != 0 && mask[3] != 0;
     return in_mask && (instance[0] | instance[1] | instance[2] | instance[3]) >= 0;
+}
+
+/// Whether none of four pixels in a row is in the mask.
+PENUMBRA_INLINE bool none_wanted(const std::uint8_t* mask) noexcept {
+    std::uint32_t four_pixels = 0;
+    std::memcpy(&four_pixels, mask, sizeof(four_pixels));
+    return four_pixels == 0;
 }
 
 }  // namespace
@@ -118,6 +126,9 @@ void Tiles::collect(std::span<const std::uint8_t> mask, std::int64_t tile, TileR
         for (int y = here.bottom; y < here.bottom + here.height; ++y) {
             const std::uint32_t first = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(view_.width) +
                                         static_cast<std::uint32_t>(left);
+            if (columns == kBlock && none_wanted(&wanted[first])) {
+                continue;  // most rows, where a mask leaves few pixels
+            }
             if (columns == kBlock && all_wanted(&wanted[first], &instance[first])) {
                 split(&position_cr[first].x, &out.px_[count], &out.py_[count], &out.pz_[count]);
                 split(&normal_ws[first].x, &out.nx_[count], &out.ny_[count], &out.nz_[count]);

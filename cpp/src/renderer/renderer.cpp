@@ -19,6 +19,7 @@
 #include "reference/light_mask.h"
 #include "reference/ray_reference.h"
 #include "reference/ray_scene.h"
+#include "reference/seen_triangles.h"
 #include "renderer/kept_frames.h"
 #include "scene/digest.h"
 #include "scene/scene_validator.h"
@@ -47,7 +48,7 @@ bool leaves_out(const Plan& plan, std::string_view rule) {
 class Renderer::Impl {
 public:
     explicit Impl(const RendererOptions& options)
-        : thread_{{.device = options.device, .debug = options.debug, .egl_library = {}}} {
+        : thread_{{.device = options.device, .debug = options.debug, .egl_library = {}}}, view_by_{options.view_by} {
         const DeviceInfo& info = thread_.info();
         environment_.gl_renderer = info.name;
         environment_.gl_version = info.gl_version;
@@ -55,6 +56,7 @@ public:
         environment_.device = describe(info);
         environment_.software = info.software;
         environment_.threads = thread_count();
+        environment_.view_by = view_by_ == ViewBy::Raster ? "raster" : "rays";
         environment_.embree = embree::version();
         state_ = thread_.run([&](Device& device) {
             return std::make_unique<State>(device.workarounds.time_by_wall_clock, options.most_kept_bytes);
@@ -72,6 +74,7 @@ public:
     Impl& operator=(const Impl&) = delete;
 
     RenderThread thread_;
+    ViewBy view_by_;
     Environment environment_;
 
     struct State {
@@ -87,7 +90,8 @@ public:
         std::shared_ptr<View> view;
         View spare_view;  ///< the memory of one that is gone
         double view_ms = 0.0;
-        std::unique_ptr<RayScene> ray_scene;
+        std::vector<glm::uvec2> seen;  ///< by camera rays
+        std::unique_ptr<RayScene> ray_scene, seen_scene;
         std::map<std::pair<std::size_t, Keep>, LightSummary> summaries;
         FrameDigests digests;
         KeptFrames kept;
@@ -98,11 +102,21 @@ public:
     };
     std::unique_ptr<State> state_;
 
+    View see_with_rays(Control& control) {
+        State& s = *state_;
+        const Camera& camera = s.scene->camera;
+        s.seen.resize(static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px));
+        find_seen(seen_scene(control), camera, s.seen, control);
+        return s.view_pass.place(*s.scene, s.seen, control, std::move(s.spare_view));
+    }
+
     View render_view(Device& device, Control& control) {
         State& s = *state_;
         glFinish();
         const auto started = Clock::now();
-        View view = s.view_pass.render(device, s.gpu_scene, *s.scene, control, std::move(s.spare_view));
+        View view = view_by_ == ViewBy::Raster
+                        ? s.view_pass.render(device, s.gpu_scene, *s.scene, control, std::move(s.spare_view))
+                        : see_with_rays(control);
         glFinish();
         s.view_ms = ms_since(started);
         ++s.work.views;
@@ -171,6 +185,19 @@ public:
         return *s.ray_scene;
     }
 
+    /// What the camera can see, for its own rays: mostly just what casts.
+    const RayScene& seen_scene(Control& control) {
+        State& s = *state_;
+        if (std::ranges::all_of(s.scene->instances, [](const Instance& i) { return i.visible == i.casts; })) {
+            return ray_scene(control);
+        }
+        if (!s.seen_scene) {
+            s.seen_scene = std::make_unique<RayScene>(*s.scene, control, RayTargets::Visible);
+            ++s.work.ray_scenes;
+        }
+        return *s.seen_scene;
+    }
+
     /// One technique at work on one light.
     struct Run {
         std::unique_ptr<Technique> technique;
@@ -192,6 +219,9 @@ public:
         const bool same_view = same_instances && scene->camera == old.camera;
         if (!std::ranges::equal(old.instances, scene->instances, same_shape)) {
             s.ray_scene.reset();
+        }
+        if (!same_instances) {
+            s.seen_scene.reset();
         }
         if (!same_view) {
             drop_view();

@@ -248,7 +248,7 @@ void Hybrid::install_mask(Frame& frame) {
     if (mask == Mask::Discard) {
         return;
     }
-    const TextureImage& depth = frame.view_pass().depth_stencil();
+    const TextureImage& depth = frame.view_depth();
     classes_.bind(1);
     if (mask == Mask::DepthBounds) {
         // Depth 0, which nothing that is seen has, where no pixel is tagged; in a copy, for the view's own is shared.

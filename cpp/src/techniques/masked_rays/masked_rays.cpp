@@ -44,7 +44,7 @@ std::vector<SettingInfo> masked_rays_settings() {
          .minimum = 1,
          .maximum = 4096,
          .choices = {},
-         .sweep = {8, 16, 64}});
+         .sweep = {64, 256}});
     settings.push_back({.id = "share",
                         .label = "Share",
                         .unit = "pixels",
