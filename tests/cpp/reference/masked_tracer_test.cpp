@@ -96,6 +96,46 @@ TEST(ScrambledNet, NamesThePointsOfASquare) {
     }
 }
 
+/// Whether points [first, last) of the net, taken in parts, lie one in each box whose area is 1 over their number.
+bool is_net(const ScrambledNet& net, int bits, int part_bits, std::uint32_t first, std::uint32_t last) {
+    const int own = std::countr_zero(last - first);
+    for (int wide = 0; wide <= own; ++wide) {
+        std::set<std::pair<std::uint32_t, std::uint32_t>> boxes;
+        for (std::uint32_t m = first; m < last; ++m) {
+            const ScrambledNet::Cell at = net.point(net.in_parts(m, part_bits));
+            boxes.emplace(at.u >> (bits - own + wide), at.v >> (bits - wide));
+        }
+        if (boxes.size() != last - first) {
+            return false;
+        }
+    }
+    return true;
+}
+
+TEST(ScrambledNet, InPartsIsTheSameNetAndEachPartIsOne) {
+    for (const std::uint32_t key : {0U, 0x3C6EF372U}) {
+        for (int bits = 1; bits <= 10; ++bits) {
+            const ScrambledNet net{bits, key};
+            for (int part_bits = 0; part_bits <= bits; ++part_bits) {
+                const std::uint32_t part = 1U << (bits - part_bits);
+                std::set<std::uint32_t> numbers;
+                for (std::uint32_t m = 0; m < (1U << bits); ++m) {
+                    numbers.insert(net.in_parts(m, part_bits));
+                }
+                EXPECT_EQ(numbers.size(), 1U << bits);
+                EXPECT_EQ(*numbers.rbegin(), (1U << bits) - 1U);
+                for (std::uint32_t first = 0; first < (1U << bits); first += part) {
+                    EXPECT_TRUE(is_net(net, bits, part_bits, first, first + part)) << bits << " " << part_bits;
+                }
+            }
+        }
+    }
+}
+
+TEST(ScrambledNet, TheFirstFourPointsOfSixteenOfSixtyFourAreANetAsWell) {
+    EXPECT_TRUE(is_net(ScrambledNet{6, 0x9E3779B9U}, 6, 2, 0, 4));
+}
+
 TEST(StrataBoard, DisagreesOnlyWhereSeenAndUnseenAreNeighbours) {
     const Board left_half = 0x0F0F0F0F0F0F0F0FULL;
     EXPECT_EQ(disagreeing(left_half, left_half, false), 0x1818181818181818ULL);
@@ -246,12 +286,67 @@ TEST(MaskedTracer, AHardEdgeIsNotBlurredBySharing) {
     }
 }
 
+TEST(MaskedTracer, ANetThatIsGoneOnFromErrsAsOneThatIsCastAtOnce) {
+    // A penumbra of four pixels: the plane does not fit, so the pixels in it go on.
+    const View view = ramp(256);
+    const Light light = test::rectangle({0, 0, 2}, 0.08, 0.25);
+    const auto v_at = [](std::size_t i) { return std::clamp(0.5 + (ramp_v(i) - 0.5) / 0.16, 0.0, 1.0); };
+    const auto rms = [&](const MaskedTraceOptions& options, MaskedTraceCounts& counts) {
+        const std::vector<float> v = trace(half_plane(), light, view, options, &counts);
+        double sum = 0.0;
+        int inside = 0;
+        for (std::size_t i = 0; i < v.size(); ++i) {
+            if (v_at(i) > 0.02 && v_at(i) < 0.98) {
+                sum += (v[i] - v_at(i)) * (v[i] - v_at(i));
+                ++inside;
+            }
+        }
+        EXPECT_GT(inside, 500);
+        return std::sqrt(sum / inside);
+    };
+    MaskedTraceCounts gone_on;
+    MaskedTraceCounts at_once;
+    const double first = rms({.rays = 64, .first_rays = 16, .share = 1}, gone_on);
+    const double all = rms({.rays = 64, .first_rays = 64}, at_once);
+    EXPECT_LT(first, 1.1 * all);
+    // 4 of all, 12 more near the penumbra, 48 more in it; of 48 columns eight and four.
+    EXPECT_LT(gone_on.rays, at_once.rays / 4);
+}
+
+TEST(MaskedTracer, WhereThePixelsAroundAgreeFourRaysAreEnoughToShare) {
+    const View view = ramp(64);
+    MaskedTraceCounts counts;
+    trace(half_plane(), test::rectangle({0, 0, 2}, 0.002, 0.002), view, {.rays = 64, .first_rays = 64, .share = 1},
+          &counts);
+    // Of 48 columns only the two or four beside the edge go on.
+    EXPECT_LE(counts.rays, view.size() * 4 + 64 * 4 * 60);
+    EXPECT_GE(counts.rays, view.size() * 4 + 64 * 2 * 60);
+}
+
+TEST(MaskedTracer, SharingServesEveryNumberOfRays) {
+    // Powers of two go on from what they have, others cast anew: the error falls with both.
+    const View view = ramp(64);
+    const Light light = test::rectangle({0, 0, 2}, 0.5, 0.25);
+    for (const auto& [rays, first] : {std::pair{4, 4}, {12, 5}, {16, 4}, {24, 16}, {64, 16}, {100, 10}, {256, 16}}) {
+        MaskedTraceCounts counts;
+        const std::vector<float> v =
+            trace(half_plane(), light, view, {.rays = rays, .first_rays = first, .share = 1}, &counts);
+        EXPECT_LT(rms_on_ramp(v), 0.41 * std::pow(first, -0.75)) << rays << " " << first;
+        for (const float x : v) {
+            EXPECT_TRUE(x >= 0.0F && x <= 1.0F);
+        }
+        EXPECT_LE(counts.rays, view.size() * static_cast<std::size_t>(rays + first));
+    }
+}
+
 std::vector<std::uint8_t> open_pixels(const View& view, std::span<const std::uint8_t> listed, const Light& light,
                                       std::vector<float>& visibility) {
     Control control;
     const Scene scene = half_plane();
     const RayScene rays{scene, control};
-    return find_penumbrae(rays, view, light, listed, 1, visibility, control);
+    std::vector<std::uint8_t> open(view.size());
+    find_penumbrae(rays, view, light, listed, 1, open, visibility, control);
+    return open;
 }
 
 TEST(PilotRays, HoldAllOfAPenumbraAndLittleElse) {
