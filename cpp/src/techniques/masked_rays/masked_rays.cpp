@@ -141,13 +141,13 @@ void MaskedRays::update(Frame& frame) {
 
 void MaskedRays::resolve(Frame& frame) {
     mask_.classify(frame);
-    std::vector<float>& visibility = frame.visibility_on_cpu();
-    listed_.resize(visibility.size());
     frame.step(kPilot, [&] {
+        listed_.resize(frame.view().size());
         find_penumbrae(frame.ray_scene(), frame.view(), frame.light(), frame.summary().mask, options_.seed, listed_,
-                       visibility, frame.control());
+                       frame.visibility_on_cpu(), frame.control());
     });
     frame.step("rays", [&] {
+        std::vector<float>& visibility = frame.visibility_on_cpu();
         if (!frame.plan().runs(kPilot)) {
             list_by_mask(frame);
         }
@@ -162,6 +162,7 @@ void MaskedRays::resolve(Frame& frame) {
 void MaskedRays::list_by_mask(Frame& frame) {
     const LightSummary& summary = frame.summary();
     std::vector<float>& visibility = frame.visibility_on_cpu();
+    listed_.resize(visibility.size());
     classes_.assign(visibility.size(), static_cast<std::uint8_t>(PenumbraMask::Class::Maybe));
     // A light without extent has no mask: one ray each.
     if (frame.plan().runs("penumbra mask")) {
