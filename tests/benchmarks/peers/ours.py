@@ -26,7 +26,7 @@ class Ours:
         started = time.perf_counter()
         self._folder = folder
         self._shared = exchange.load(folder)
-        self._renderer = core.Renderer()
+        self._renderer = core.Renderer(view_by="rays")
         self._renderer.set_scene(core_scene(core, self._shared))
         self._renderer.view()
         self._sync_ms = 1e3 * (time.perf_counter() - started)
