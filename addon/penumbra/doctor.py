@@ -6,7 +6,7 @@ import importlib.util
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from . import cache, environment
+from . import cache, environment, native
 from .errors import UserError, sentence_of
 from .files import why_not_writable
 
@@ -29,12 +29,12 @@ class Check:
     details: list[str] = field(default_factory=list)
 
 
-def examine(device: str) -> list[Check]:
+def examine(device: str, view_by: str = "") -> list[Check]:
     """All checks; never raises for what it finds."""
     core, core_check = _core()
     checks = [core_check]
     if core is not None:
-        checks += [_devices(core), _context(core, device), _embree(core)]
+        checks += [_devices(core), _context(core, device), _view(view_by), _embree(core)]
     return [*checks, _blender(), _report(), _cache()]
 
 
@@ -60,8 +60,6 @@ def text(checks: list[Check]) -> str:
 
 
 def _core() -> tuple[Any, Check]:
-    from . import native
-
     try:
         core = native.load()
     except UserError as error:
@@ -89,10 +87,18 @@ def _devices(core: Any) -> Check:
 
 def _context(core: Any, device: str) -> Check:
     try:
-        facts = dict(core.Renderer(device).environment)
+        facts = dict(native.renderer(core, device, "raster").environment)
     except Exception as error:
         return Check("OpenGL", False, sentence_of(error), "apt install libegl1 libgl1-mesa-dri, or set PENUMBRA_DEVICE")
     return Check("OpenGL", True, f"{facts['gl_renderer']}, {facts['gl_version']}, {facts['threads']} threads")
+
+
+def _view(asked: str) -> Check:
+    try:
+        view_by = native.view_by(asked)
+    except UserError as error:
+        return Check("view", False, str(error), "correct or unset PENUMBRA_VIEW_BY")
+    return Check("view", True, {"raster": "drawn by OpenGL", "rays": "traced by Embree"}[view_by] + f" ({view_by})")
 
 
 def _embree(core: Any) -> Check:

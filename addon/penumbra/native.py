@@ -1,15 +1,19 @@
-"""Loads the compiled core, and says in one sentence why it cannot be loaded."""
+"""Loads the compiled core and makes its renderers, and says in one sentence why it cannot be loaded."""
 
 from __future__ import annotations
 
 import contextlib
 import functools
+import os
 import sys
 from pathlib import Path
 from typing import Any
 
-from .errors import UserError, sentence_of
+from .errors import UserError, sentence_of, unknown
 from .read.errors import BridgeError
+
+VIEWS = ("raster", "rays")
+"""What finds the triangle that each pixel shows: OpenGL, which draws it, or camera rays."""
 
 
 @functools.cache
@@ -27,6 +31,27 @@ def load() -> Any:
             "install it with: pip install penumbra"
         ) from error
     return penumbra_core
+
+
+def view_by(asked: str = "") -> str:
+    """One of VIEWS: what is asked for, else what PENUMBRA_VIEW_BY says, else the first.
+
+    @raises UserError for any other word
+    """
+    for what, word in (("view", asked), ("PENUMBRA_VIEW_BY", os.environ.get("PENUMBRA_VIEW_BY", ""))):
+        if word and word not in VIEWS:
+            raise unknown(what, word, VIEWS)
+        if word:
+            return word
+    return VIEWS[0]
+
+
+def renderer(core: Any, device: str = "", view: str = "", **options: Any) -> Any:
+    """All of this package's renderers come from here. @param view see view_by()
+
+    @raises UserError for an unknown view, core.DeviceError without a usable device
+    """
+    return core.Renderer(device, view_by=view_by(view), **options)
 
 
 @functools.cache

@@ -251,6 +251,7 @@ def test_other_options_another_core_and_a_failure_make_an_item_anew(store: Store
     for changed in (
         jobs.dataclasses.replace(scene, size=(65, 36)),
         jobs.dataclasses.replace(scene, device="other"),
+        jobs.dataclasses.replace(scene, view_by="rays"),
         jobs.dataclasses.replace(scene, options=Options(settings={"pcf": {"kernel": 5}})),
         jobs.dataclasses.replace(scene, options=Options(reference_error=0.1)),
     ):

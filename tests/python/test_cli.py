@@ -51,6 +51,7 @@ def scene(tmp_path: Path) -> Path:
             ["compare", "{scene}", "--out", "{out}", "--sweep", "fll"],
             "did you mean full? choose from: off, quick, full",
         ),
+        (["compare", "{scene}", "--out", "{out}", "--view-by", "ray"], "did you mean rays? choose from: raster, rays"),
         (["compare", "{scene}", "--out", "{out}", "--reference-error", "0"], "not a number from 1e-05 to 0.5"),
         (["compare", "{scene}", "--out", "{out}", "--target-rmse", "nan"], "not a number from 0 to 1"),
         (["compare", "{scene}", "--out", "{out}", "--frame", "one"], "not a frame number"),
@@ -83,6 +84,31 @@ def test_wrong_techniques_and_settings_are_one_sentence_with_the_choices(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, scene: Path, arguments: list[str], says: str
 ) -> None:
     assert says in refused(capsys, tmp_path, "compare", scene, "--out", tmp_path / "out", *arguments)
+
+
+@pytest.mark.usefixtures("core")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["compare", "{scene}", "--out", "{out}"],
+        ["render", "{scene}", "--technique", "pcf", "--out", "{out}/a.png"],
+        ["debug", "{scene}", "--technique", "pcf", "--out", "{out}"],
+        ["bake", "{scene}", "--technique", "pcf", "--out", "{out}"],
+        ["batch", "{scene}", "--out", "{out}"],
+        ["stability", "--out", "{out}"],
+    ],
+)
+def test_a_wrong_view_in_the_environment_is_one_sentence(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    scene: Path,
+    arguments: list[str],
+) -> None:
+    monkeypatch.setenv("PENUMBRA_VIEW_BY", "ray")
+    filled = [text.format(scene=scene, out=tmp_path / "out") for text in arguments]
+    sentence = 'unknown PENUMBRA_VIEW_BY "ray"; did you mean rays? choose from: raster, rays'
+    assert refused(capsys, tmp_path, *filled) == sentence
 
 
 @pytest.mark.usefixtures("working_machine")

@@ -216,6 +216,6 @@ def test_doctor_is_healthy_here(penumbra: Run) -> None:
     assert result.returncode == 0
     told = json.loads(result.stdout)
     assert told["healthy"]
-    assert {"core", "EGL devices", "OpenGL", "Embree", "Blender", "report", "cache"} == {
+    assert {"core", "EGL devices", "OpenGL", "view", "Embree", "Blender", "report", "cache"} == {
         check["name"] for check in told["checks"]
     }

@@ -106,8 +106,8 @@ def test_frames_survive_being_written_down(frames: list[int]) -> None:
 # --- job files -------------------------------------------------------------------------------------------------------
 
 KEYS = ["frames", "cameras", "size", "techniques", "settings", "lights", "sweep", "reference_error", "target_rmse",
-        "warn_rmse", "fail_rmse", "keep_everything", "out", "mode", "technique", "format", "device", "workers",
-        "no_cache", "scenes"]  # fmt: skip
+        "warn_rmse", "fail_rmse", "keep_everything", "out", "mode", "technique", "format", "device", "view_by",
+        "workers", "no_cache", "scenes"]  # fmt: skip
 
 
 def toml(value: Any) -> str:

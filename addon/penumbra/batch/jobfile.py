@@ -10,6 +10,7 @@ from typing import Any
 
 from ..commands import arguments as types
 from ..errors import UserError, unknown
+from ..native import VIEWS
 
 Wishes = dict[str, Any]
 """What one layer asks for, by the names of the options. Later layers win: defaults, file, scene, command line."""
@@ -113,6 +114,7 @@ _OF_JOB: Readers = {
     "technique": _text,
     "format": _choice("exr", "png"),
     "device": _text,
+    "view_by": _choice(*VIEWS),
     "workers": _whole(1, 256),
     "no_cache": _flag,
 }

@@ -44,6 +44,7 @@ class Job:
     technique: str = ""  # of a render
     format: str = "exr"
     device: str = ""
+    view_by: str = ""
     workers: int = 1
 
 
@@ -61,6 +62,7 @@ class Item:
     technique: str
     format: str
     device: str
+    view_by: str
     options: Options
     warn_rmse: float | None = None
     fail_rmse: float | None = None
@@ -78,6 +80,7 @@ class Item:
             "size": self.size,
             "technique": self.technique,
             "device": self.device,
+            "view_by": self.view_by,
             "options": options,
         }
         plain: dict[str, Any] = _lists(asked)
@@ -99,6 +102,8 @@ class Item:
             words.append(f"--size={self.size[0]}x{self.size[1]}")
         if self.device:
             words.append(f"--device={self.device}")
+        if self.view_by:
+            words.append(f"--view-by={self.view_by}")
         if options.lights:
             words.append(f"--lights={','.join(options.lights)}")
         if options.keep_everything:
@@ -161,6 +166,7 @@ def expand(job: Job) -> list[Item]:
                         technique=job.technique,
                         format=job.format,
                         device=job.device,
+                        view_by=job.view_by,
                         options=shot.options,
                         warn_rmse=shot.warn_rmse,
                         fail_rmse=shot.fail_rmse,

@@ -138,6 +138,8 @@ def _summary(job: Job, items: dict[str, list[Item]], steps: list[str]) -> Docume
         lines += [f"technique = {_toml(job.technique)}", f"format = {_toml(job.format)}"]
     if job.device:
         lines.append(f"device = {_toml(job.device)}")
+    if job.view_by:
+        lines.append(f"view_by = {_toml(job.view_by)}")
     for number, (name, own) in enumerate(items.items(), 1):
         lines += ["", "[[scenes]]", f"path = '''{{{{Param.Scene{number}}}}}'''", f"name = {_toml(name)}"]
         lines += _scene_lines(own)

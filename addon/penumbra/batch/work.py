@@ -31,7 +31,7 @@ class Workbench:
 
     def __init__(self) -> None:
         self._core = native.load()
-        self._renderers: dict[str, Any] = {}
+        self._renderers: dict[tuple[str, str], Any] = {}  # by device and view
         self._facts = Facts()
         self._open: Document | None = None
 
@@ -49,9 +49,10 @@ class Workbench:
             )
         _crash_if_asked(item)
         started = time.monotonic()
-        if item.device not in self._renderers:
-            self._renderers[item.device] = make_renderer(self._core, item.device)
-        renderer = self._renderers[item.device]
+        machine = (item.device, item.view_by)
+        if machine not in self._renderers:
+            self._renderers[machine] = make_renderer(self._core, *machine)
+        renderer = self._renderers[machine]
         progress.stage("reading", 0.0)
         export, files = self._read(item)
         store = Store(out)

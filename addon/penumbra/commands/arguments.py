@@ -7,6 +7,8 @@ import math
 import re
 from collections.abc import Callable
 
+from ..native import VIEWS
+
 
 def size(text: str) -> tuple[int, int]:
     match = re.fullmatch(r"(\d{1,9})[xX×](\d{1,9})", text)
@@ -64,7 +66,17 @@ def view_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--camera", metavar="NAME", help="camera object; default: the scene's active one")
     parser.add_argument("--frame", type=frame_number, metavar="N", help="frame; default: the file's current one")
     parser.add_argument("--size", type=size, metavar="WxH", help="picture size in pixels; default: the scene's")
+    machine_arguments(parser)
+
+
+def machine_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the renderer runs on, and how: see native.renderer()."""
     parser.add_argument("--device", default="", metavar="D", help="EGL device: its number or a part of its name")
+    parser.add_argument(
+        "--view-by", choices=VIEWS, default="",
+        help="what finds the triangle in each pixel: OpenGL, or camera rays, which are faster without a graphics card; "
+        "default: $PENUMBRA_VIEW_BY, else raster",
+    )  # fmt: skip
 
 
 def compare_options(parser: argparse.ArgumentParser, sweep: str) -> None:

@@ -6,6 +6,7 @@ import argparse
 import json
 
 from .. import errors
+from .arguments import machine_arguments
 from .registry import command
 
 
@@ -31,14 +32,14 @@ def _techniques(arguments: argparse.Namespace) -> int:
 
 def _doctor_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="for programs")
-    parser.add_argument("--device", default="", metavar="D", help="EGL device: its number or a part of its name")
+    machine_arguments(parser)
 
 
 @command("doctor", "say what works here and what to install", _doctor_arguments)
 def _doctor(arguments: argparse.Namespace) -> int:
     from .. import doctor
 
-    checks = doctor.examine(arguments.device)
+    checks = doctor.examine(arguments.device, arguments.view_by)
     if arguments.json:
         print(json.dumps(doctor.to_json(checks), indent=1))
     else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import errors, interrupts
 from ..errors import UserError
-from .arguments import comparison_options, frames, size
+from .arguments import comparison_options, frames, machine_arguments, size
 from .comparing import options_of
 from .registry import command
 from .scene import check_exists, check_folder, inside_blender, open_file, say, settings_of
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from ..batch.jobs import Job, Shot
 
 _DEFAULTS: dict[str, Any] = {
-    "render": False, "technique": "", "format": "exr", "device": "", "workers": 1, "no_cache": False,
-    "frames": (), "cameras": (), "size": None, "techniques": (), "set": [], "lights": (), "sweep": "off",
-    "timing_seconds": 3.0, "reference_error": 0.002, "target_rmse": None, "warn_rmse": None, "fail_rmse": None,
-    "keep_everything": False, "measure_savings": False,
+    "render": False, "technique": "", "format": "exr", "device": "", "view_by": "", "workers": 1,
+    "no_cache": False, "frames": (), "cameras": (), "size": None, "techniques": (), "set": [], "lights": (),
+    "sweep": "off", "timing_seconds": 3.0, "reference_error": 0.002, "target_rmse": None, "warn_rmse": None,
+    "fail_rmse": None, "keep_everything": False, "measure_savings": False,
 }  # fmt: skip
 
 
@@ -36,7 +36,7 @@ def _batch_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--name", metavar="NAME", help="what a single scene is called in DIR; default: as its file")
     parser.add_argument("--size", type=size, metavar="WxH", help="picture size in pixels; default: each scene's")
-    parser.add_argument("--device", metavar="D", help="EGL device: its number or a part of its name")
+    machine_arguments(parser)
     comparison_options(parser, "off")
 
     pictures = parser.add_argument_group("pictures instead of comparisons")
@@ -94,6 +94,7 @@ def _batch(arguments: argparse.Namespace) -> int:
     job = job_of(core, arguments)
     for shot in job.shots:
         check_exists(shot.scene)
+    native.view_by(job.view_by)  # a wrong PENUMBRA_VIEW_BY would fail every item
     missing = doctor.missing_libraries()
     if missing:
         raise UserError(f"the report needs more Python packages; run: pip install {' '.join(missing)}")
@@ -159,6 +160,7 @@ def job_of(core: Any, arguments: argparse.Namespace) -> Job:
         technique=whole["technique"] if whole["render"] else "",
         format=whole["format"],
         device=whole["device"],
+        view_by=whole["view_by"],
         workers=whole["workers"],
     )
 

@@ -70,7 +70,7 @@ def _run_comparison(arguments: argparse.Namespace, paths: list[Path]) -> int:
         raise UserError(f"the report needs more Python packages; run: pip install {' '.join(missing)}")
     core = native.load()
     options = options_of(core, arguments)
-    renderer = make_renderer(core, arguments.device)
+    renderer = make_renderer(core, arguments.device, arguments.view_by)
     comparison = Comparison(environment={}, options=_recorded_options(arguments))
     writer = ReportWriter(arguments.out)
     with Progress() as progress:

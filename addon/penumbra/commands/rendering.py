@@ -38,7 +38,7 @@ def _render(arguments: argparse.Namespace) -> int:
     check_folder(arguments.out.parent, why_not_writable(arguments.out.parent))
     core = native.load()
     settings = settings_of(core, arguments.technique, arguments.set)
-    renderer = make_renderer(core, arguments.device)
+    renderer = make_renderer(core, arguments.device, arguments.view_by)
     export = read(core, arguments.scene, arguments)
     with Progress(render.work(export)) as progress, compare.core_errors(core):
         lights = compare.choose_lights(list(export.lights), arguments.lights)
@@ -76,7 +76,7 @@ def _debug(arguments: argparse.Namespace) -> int:
     check_folder(arguments.out, why_not_writable(arguments.out))
     core = native.load()
     settings = settings_of(core, arguments.technique, arguments.set)
-    renderer = make_renderer(core, arguments.device)
+    renderer = make_renderer(core, arguments.device, arguments.view_by)
     export = read(core, arguments.scene, arguments)
     with Progress(1.0 + 2.0 * len(export.lights)) as progress, compare.core_errors(core):
         lights = compare.choose_lights(list(export.lights), arguments.lights)
@@ -114,7 +114,7 @@ def _bake(arguments: argparse.Namespace) -> int:
     check_folder(arguments.out, why_not_writable(arguments.out))
     core = native.load()
     settings = settings_of(core, arguments.technique, arguments.set)
-    renderer = make_renderer(core, arguments.device)
+    renderer = make_renderer(core, arguments.device, arguments.view_by)
     export = read(core, arguments.scene, arguments)
     with Progress(1.0 + 2.0 * len(export.lights)) as progress, compare.core_errors(core):
         lights = compare.choose_lights(list(export.lights), arguments.lights)

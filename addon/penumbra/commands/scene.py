@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import errors, interrupts
+from .. import errors, interrupts, native
 from ..errors import UserError
 
 
@@ -22,11 +22,11 @@ def check_folder(folder: Path, reason: str) -> None:
         raise UserError(f'cannot write to the folder "{folder}": {reason}; choose another one with --out')
 
 
-def make_renderer(core: Any, device: str) -> Any:
+def make_renderer(core: Any, device: str, view_by: str) -> Any:
     from ..compare import core_errors
 
     with core_errors(core), interrupts.held():
-        return core.Renderer(device)
+        return native.renderer(core, device, view_by)
 
 
 def read(core: Any, path: Path | None, arguments: argparse.Namespace) -> Any:

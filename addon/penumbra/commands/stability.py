@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .. import errors, interrupts
 from ..errors import UserError
-from .arguments import names
+from .arguments import machine_arguments, names
 from .registry import command
 from .scene import check_folder, make_renderer, say
 
@@ -23,7 +23,7 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--quick", action="store_true", help="a third of the cases")
     parser.add_argument("--page", type=Path, metavar="FILE", help="write the Markdown page here as well")
-    parser.add_argument("--device", default="", metavar="D", help="EGL device: its number or a part of its name")
+    machine_arguments(parser)
 
 
 @command("stability", "try every technique on hard cases and say what holds, with bounds", _arguments)
@@ -51,7 +51,7 @@ def _stability(arguments: argparse.Namespace) -> int:
     ]
     if not cases:
         raise UserError("no case is both among --cases and --quick; leave --quick away")
-    described = environment.collect(core, make_renderer(core, arguments.device), arguments.given)
+    described = environment.collect(core, make_renderer(core, arguments.device, arguments.view_by), arguments.given)
     with Progress(len(cases)) as progress:
         progress.stage("stability", len(cases))
         rows = list(
@@ -60,6 +60,7 @@ def _stability(arguments: argparse.Namespace) -> int:
                 cases,
                 lambda done, text: progress(done / len(cases), text),
                 device=arguments.device,
+                view_by=arguments.view_by,
             )
         )
         progress.finish()

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import native
 from . import limits, properties
 from .border import not_refused
 from .cases import EVERY_PICTURE, Case, Check
@@ -130,9 +131,9 @@ def resident_mb() -> float:
 class Bench:
     """A renderer, and the truth of the case at work: the techniques share it."""
 
-    def __init__(self, core: Any, device: str = "") -> None:
+    def __init__(self, core: Any, device: str = "", view_by: str = "") -> None:
         self.core = core
-        self.renderer = core.Renderer(device)
+        self.renderer = native.renderer(core, device, view_by)
         self._case = ""
         self._frames: Sequence[Setup] = ()
         self._scenes: list[Any] = []

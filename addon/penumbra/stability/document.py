@@ -258,7 +258,9 @@ def _figure(value: float | None) -> str:
 
 
 def _machine(environment: Mapping[str, Any]) -> str:
-    return f"{environment.get('cpu', '')}, {environment.get('cores', '')} cores, {environment.get('gl_renderer', '')}."
+    cores, renderer = environment.get("cores", ""), environment.get("gl_renderer", "")
+    view = ", view traced by rays" if environment.get("view_by") == "rays" else ""
+    return f"{environment.get('cpu', '')}, {cores} cores, {renderer}{view}."
 
 
 _STYLE = """

@@ -22,9 +22,8 @@ Tell = Callable[[float, str], None]
 class Measurer:
     """One worker process at a time; use it in a `with` block."""
 
-    def __init__(self, device: str = "", table: str = TABLE) -> None:
-        self._device = device
-        self._table = table
+    def __init__(self, device: str = "", view_by: str = "", table: str = TABLE) -> None:
+        self._common = {"table": table, "device": device, "view_by": view_by}
         self._worker: Worker | None = None
 
     def __enter__(self) -> Measurer:
@@ -37,7 +36,7 @@ class Measurer:
         """@raises UserError if no process can be started"""
         worker = self._started()
         try:
-            worker.order({"table": self._table, "case": case.id, "technique": technique, "device": self._device})
+            worker.order(self._common | {"case": case.id, "technique": technique})
         except OSError:
             return self._lost(technique, case, worker)
         end = time.monotonic() + case.ends_s + _SLACK_S
@@ -78,10 +77,16 @@ class Measurer:
 
 
 def run(
-    techniques: Sequence[str], cases: Sequence[Case], tell: Tell, *, device: str = "", table: str = TABLE
+    techniques: Sequence[str],
+    cases: Sequence[Case],
+    tell: Tell,
+    *,
+    device: str = "",
+    view_by: str = "",
+    table: str = TABLE,
 ) -> Iterator[Row]:
     """Rows case by case: the techniques of a case share its scenes and its truth."""
-    with Measurer(device, table) as measurer:
+    with Measurer(device, view_by, table) as measurer:
         for done, case in enumerate(cases):
             for number, technique in enumerate(techniques):
                 tell(done + number / len(techniques), f"{case.id}: {technique}")

@@ -1,7 +1,8 @@
 """The worker process of `penumbra stability`: measures one technique on one case at a time.
 
-Messages (processes.py): to it {"table", "case", "technique", "device"}, where the table is a module with CASES; from it
-{"found": [[property, value, bound, {closed form: bound}]], "warnings": [sentence]} or {"failed": sentence}.
+Messages (processes.py): to it {"table", "case", "technique", "device", "view_by"}, where the table is a module with
+CASES; from it {"found": [[property, value, bound, {closed form: bound}]], "warnings": [sentence]} or
+{"failed": sentence}.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def _begin() -> processes.Answer:
     from .rows import Measured
 
     core = native.load()
-    benches: dict[str, Bench] = {}
+    benches: dict[tuple[str, str], Bench] = {}
 
     def answer(order: processes.Message, tell: processes.Tell) -> processes.Message:
         case = _case(order["table"], order["case"])
@@ -43,10 +44,10 @@ def _begin() -> processes.Answer:
         before_mb = resident_mb()
         _forget_peak()
         try:
-            device = order["device"]
-            if device not in benches:
-                benches[device] = Bench(core, device)
-            found, warnings = benches[device].measure(case, order["technique"])
+            machine = (order["device"], order["view_by"])
+            if machine not in benches:
+                benches[machine] = Bench(core, *machine)
+            found, warnings = benches[machine].measure(case, order["technique"])
         except Exception as error:
             traceback.print_exc()
             sys.stderr.flush()
