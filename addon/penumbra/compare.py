@@ -264,6 +264,7 @@ class Comparer:
         if self._cache is not None:
             entry = caching.key(
                 core=native.fingerprint(),
+                view_by=self._renderer.environment["view_by"],
                 scene=digest,
                 light=index,
                 standard_error=options.reference_error,

@@ -239,6 +239,7 @@ ENVIRONMENT = {
     "device": "0",
     "threads": 2,
     "embree": "3.13.5",
+    "view_by": "raster",
 }
 
 
