@@ -106,7 +106,7 @@ class PENUMBRA_RE_engine(bpy.types.RenderEngine):  # noqa: N801
         stopped, made = False, None
         started = time.monotonic()
         try:
-            with session.renderer(preferences.device()) as renderer:
+            with session.renderer(preferences.device(), preferences.view_by()) as renderer:
                 progress = ToldProgress(self._tell)
                 painter = picture.Painter(renderer, export, wanted, progress)
                 progress.add_work(painter.work())

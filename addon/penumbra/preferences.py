@@ -1,4 +1,4 @@
-"""What belongs to the machine and not to a file: the device, the cache, the threads; and what works here."""
+"""What belongs to the machine and not to a file: the device, the view, the cache, the threads; and what works here."""
 
 from __future__ import annotations
 
@@ -27,6 +27,12 @@ def device() -> str:
     return (str(own.device).strip() if own is not None else "") or os.environ.get("PENUMBRA_DEVICE", "")
 
 
+def view_by() -> str:
+    """What is chosen, see native.view_by(); "" where nothing was, so that PENUMBRA_VIEW_BY decides."""
+    own = preferences()
+    return str(own.view_by) if own is not None and own.is_property_set("view_by") else ""
+
+
 def apply() -> None:
     """Hands the cache and the threads on to the core and the command line, which hear the environment."""
     own = preferences()
@@ -49,6 +55,15 @@ _set_by_us: set[str] = set()
         name="Device",
         description="Number or part of the name of the graphics device; empty for the first one that serves",
         default="",
+    ),
+    view_by=bpy.props.EnumProperty(
+        name="View",
+        description="What finds the surface in each pixel; until something is chosen, PENUMBRA_VIEW_BY decides",
+        items=[
+            ("raster", "Drawn", "OpenGL draws it"),
+            ("rays", "Traced", "Rays look for it, faster without a graphics card, the more so the heavier the meshes"),
+        ],
+        default="raster",
     ),
     cache=bpy.props.StringProperty(
         name="Cache",
@@ -75,6 +90,7 @@ class PENUMBRA_AP_preferences(bpy.types.AddonPreferences):  # noqa: N801
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "device")
+        layout.prop(self, "view_by")
         layout.prop(self, "cache")
         layout.prop(self, "reports")
         layout.prop(self, "threads")
@@ -102,7 +118,7 @@ class PENUMBRA_OT_examine(bpy.types.Operator):  # noqa: N801
     text = ""
 
     def execute(self, context: Any) -> set[str]:
-        checks = doctor.examine(device())
+        checks = doctor.examine(device(), view_by())
         type(self).text = doctor.text(checks)
         if not doctor.healthy(checks):
             self.report({"WARNING"}, "Penumbra cannot work here yet; see its preferences")
@@ -118,7 +134,7 @@ class PENUMBRA_OT_copy_examination(bpy.types.Operator):  # noqa: N801
 
     def execute(self, context: Any) -> set[str]:
         if not PENUMBRA_OT_examine.text:
-            PENUMBRA_OT_examine.text = doctor.text(doctor.examine(device()))
+            PENUMBRA_OT_examine.text = doctor.text(doctor.examine(device(), view_by()))
         context.window_manager.clipboard = PENUMBRA_OT_examine.text
         self.report({"INFO"}, "Copied to the clipboard")
         return {"FINISHED"}

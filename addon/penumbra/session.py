@@ -15,24 +15,25 @@ from . import native
 _IDLE_S = 30.0
 
 _lock = threading.Lock()
-_kept: dict[str, Any] = {}  # one idle renderer per device, for the next picture
+_kept: dict[tuple[str, str], Any] = {}  # one idle renderer per device and view, for the next picture
 _open = 0
 
 
 @contextlib.contextmanager
-def renderer(device: str) -> Iterator[Any]:
-    """A renderer for one picture; the next picture on the same device gets the same one, warm.
+def renderer(device: str, view_by: str = "") -> Iterator[Any]:
+    """A renderer for one picture; the next picture made in the same way gets the same one, warm.
 
-    @raises UserError without the compiled core, penumbra_core.DeviceError without a usable device
+    @raises UserError without the compiled core or for an unknown view, penumbra_core.DeviceError without a device
     """
     global _open
     core = native.load()
+    machine = (device, native.view_by(view_by))
     with _lock:
-        mine = _kept.pop(device, None)
+        mine = _kept.pop(machine, None)
         _open += 1
     try:
         if mine is None:
-            mine = core.Renderer(device)
+            mine = native.renderer(core, *machine)
         yield mine
     except core.Cancelled:
         raise
@@ -42,8 +43,8 @@ def renderer(device: str) -> Iterator[Any]:
     finally:
         with _lock:
             _open -= 1
-            if mine is not None and device not in _kept:
-                _kept[device] = mine
+            if mine is not None and machine not in _kept:
+                _kept[machine] = mine
         mine = None
         _forget_later()
 

@@ -80,8 +80,8 @@ def choosy(monkeypatch: pytest.MonkeyPatch) -> str:
     reason = "a light of this shape is not served"
 
     class Renderer:
-        def __init__(self, device: str) -> None:
-            self._renderer = core.Renderer(device)
+        def __init__(self, device: str, **options: Any) -> None:
+            self._renderer = core.Renderer(device, **options)
 
         def __getattr__(self, name: str) -> Any:
             return getattr(self._renderer, name)

@@ -122,10 +122,10 @@ def asked(kit: Kit) -> Any:
 
         return camera
 
-    def ask(key: Any, x: float = 0.0, wanted: Wanted | None = None, smaller: int = 2, device: str = "") -> None:
+    def ask(key: Any, x: float = 0.0, wanted: Wanted | None = None, smaller: int = 2, **machine: str) -> None:
         own = replace(export, scene=export.scene.copy())
         wanted = wanted or Wanted(technique="shadow_map", settings={})
-        worker.ask(pictures.question(key, own, camera_of(x), SIZE, wanted, smaller=smaller, device=device))
+        worker.ask(pictures.question(key, own, camera_of(x), SIZE, wanted, smaller=smaller, **machine))
 
     ask.worker, ask.export, ask.camera = worker, export, camera_of(0.0)  # type: ignore[attr-defined]
     yield ask
@@ -223,6 +223,21 @@ def test_an_error_is_a_sentence_and_the_last_picture_stays(asked: Any) -> None:
     asked("again")
     finished(asked.worker, "again")
     assert asked.worker.problem == ""
+
+
+def test_another_view_makes_the_renderer_anew(asked: Any) -> None:
+    worker = asked.worker
+    asked("drawn", view_by="raster")
+    drawn = finished(worker, "drawn").pixels
+    asked("traced", view_by="rays")
+    traced = finished(worker, "traced").pixels
+    assert drawn[..., 0].max() > 0
+    assert np.count_nonzero(np.abs(drawn - traced).max(axis=2) > 1e-3) <= 8
+    for view_by in ("raster", "rays"):
+        worker.ask(Question(view_by, lambda made, desk: desk.show(made.environment["view_by"]), view_by=view_by))
+        wait_for(lambda view_by=view_by: worker.shown == view_by)
+    asked("unknown", view_by="ray")
+    assert 'unknown view "ray"' in wait_for(lambda: worker.problem)
 
 
 def test_closing_while_it_works_ends_the_work(asked: Any) -> None:

@@ -292,7 +292,7 @@ def order_of(context: Any) -> running.Order:
         timing_seconds=kept.timing_seconds,
     )
     path = str(bpy.data.filepath) or "unsaved scene"
-    return running.Order(export, options, path, scene.session_uid, preferences.device(), stated)
+    return running.Order(export, options, path, scene.session_uid, preferences.device(), preferences.view_by(), stated)
 
 
 def _export(context: Any, kept: Any) -> tuple[bridge.SceneExport, str]:

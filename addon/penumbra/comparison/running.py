@@ -30,6 +30,7 @@ class Order:
     path: str  # of the file, as the report names it
     scene: int  # session_uid of Blender's scene, which gets the results
     device: str = ""
+    view_by: str = ""
     stated: str = ""  # the view and the resolution in words
 
 
@@ -96,7 +97,7 @@ class Running:
 
     def _compare(self, core: Any) -> None:
         order = self.order
-        renderer = core.Renderer(order.device)
+        renderer = native.renderer(core, order.device, order.view_by)
         progress = ToldProgress(self._tell)
         comparer = Comparer(core, renderer, order.options, progress)
         progress.add_work(comparer.work(len(order.options.lights) or len(order.export.lights)) + 1.0)

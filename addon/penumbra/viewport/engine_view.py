@@ -108,6 +108,7 @@ class EngineView:
                 ),
                 smaller=int(chosen.viewport_scale),
                 device=preferences.device(),
+                view_by=preferences.view_by(),
             )
         )
         redraws.watch(self._worker, self._redraw)

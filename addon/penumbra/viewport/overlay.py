@@ -338,6 +338,7 @@ def _ask(context: Any, kept: _Region, seen: view_region.SeenPart, scene: _Scene)
             titles,
             smaller=int(context.scene.penumbra.viewport_scale),
             device=preferences.device(),
+            view_by=preferences.view_by(),
         )
     )
     redraws.watch(kept.worker, _redraw_all)

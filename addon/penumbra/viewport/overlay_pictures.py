@@ -87,6 +87,7 @@ class Comparisons:
         *,
         smaller: int = 2,
         device: str = "",
+        view_by: str = "",
     ) -> Question[Compared]:
         """As pictures.Pictures.question(). @param titles of techniques, by id"""
 
@@ -95,7 +96,7 @@ class Comparisons:
                 self._answer(renderer, desk, key, export, camera, _divided(size, smaller), wanted, titles, last=False)
             self._answer(renderer, desk, key, export, camera, size, wanted, titles, last=True)
 
-        return Question(key, work, device)
+        return Question(key, work, device, view_by)
 
     def _answer(
         self,

@@ -52,6 +52,7 @@ class Pictures:
         *,
         smaller: int = 2,
         device: str = "",
+        view_by: str = "",
     ) -> Question[Shown]:
         """What a viewport wants to see.
 
@@ -84,7 +85,7 @@ class Pictures:
             self._swift = False  # unless the picture gets ready now
             self._swift = paint(renderer, desk, size, wanted.pixel_samples) < _SWIFT_S
 
-        return Question(key, work, device)
+        return Question(key, work, device, view_by)
 
 
 def displayable(colour: Image) -> Image:

@@ -57,6 +57,7 @@ class Question(Generic[A]):
     key: Hashable  # equal keys mean equal answers
     work: Callable[[Any, Desk[A]], None]  # (core.Renderer, desk), on the worker's thread
     device: str = ""
+    view_by: str = ""
 
 
 class Worker(Generic[A]):
@@ -129,7 +130,7 @@ class Worker(Generic[A]):
     # -------------------------------------------------------------------------------------------------- the thread
 
     def _run(self) -> None:
-        renderer, device = None, ""
+        renderer, machine = None, ("", "")
         while True:
             with self._changed:
                 while not self._closed and (self._question is None or self._question is self._done):
@@ -140,10 +141,11 @@ class Worker(Generic[A]):
                 self._began, self._answered = time.monotonic(), False
             assert question is not None
             try:
-                if renderer is None or device != question.device:
+                wanted = (question.device, question.view_by)
+                if renderer is None or machine != wanted:
                     renderer = None
-                    renderer = native.load().Renderer(question.device, most_kept_bytes=_MOST_KEPT_BYTES)
-                    device = question.device
+                    renderer = native.renderer(native.load(), *wanted, most_kept_bytes=_MOST_KEPT_BYTES)
+                    machine = wanted
                 question.work(renderer, Desk(self, question))
             except picture.StoppedError:
                 continue
