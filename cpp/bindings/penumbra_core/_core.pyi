@@ -269,10 +269,13 @@ class Renderer:
         device: str = "",
         debug: bool = False,
         most_kept_bytes: typing.SupportsInt | typing.SupportsIndex = 268435456,
+        view_by: str = "raster",
     ) -> None:
         """
         device: "" (automatic), an index, or part of a renderer's name. Raises DeviceError.
         most_kept_bytes: of the frames that visibility(reuse=True) keeps, in main memory.
+        view_by: "raster" draws what the camera sees; "rays" traces it, which is faster without a graphics
+        card where meshes are heavy and stand still.
         """
     def bake(
         self,
