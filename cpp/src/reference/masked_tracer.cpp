@@ -104,11 +104,21 @@ bool open_around(const View& view, std::span<const float> visibility, std::size_
 constexpr std::uint8_t kSawLight = 1;
 constexpr std::uint8_t kSawShadow = 2;
 
-/// What the rays of a pixel saw; below 0: it has none.
-std::uint8_t found_by(float visibility) noexcept {
-    const int light = visibility > 0.0F ? kSawLight : 0;
-    const int shadow = visibility >= 0.0F && visibility < 1.0F ? kSawShadow : 0;
-    return static_cast<std::uint8_t>(light | shadow);
+/// What the rays of each pixel saw; below 0: it has none.
+PENUMBRA_VECTOR_CLONES void find_in(const float* visibility, std::int64_t begin, std::int64_t end,
+                                    std::uint8_t* found) noexcept {
+    for (std::int64_t i = begin; i < end; ++i) {
+        const float v = visibility[i];
+        found[i] = static_cast<std::uint8_t>((v > 0.0F ? kSawLight : 0) | ((v >= 0.0F) & (v < 1.0F) ? kSawShadow : 0));
+    }
+}
+
+std::vector<std::uint8_t> found_by(std::span<const float> visibility, Control& control) {
+    std::vector<std::uint8_t> found(visibility.size());
+    parallel_for(
+        static_cast<std::int64_t>(visibility.size()), 32768,
+        [&](std::int64_t begin, std::int64_t end) { find_in(visibility.data(), begin, end, found.data()); }, control);
+    return found;
 }
 
 /// Per column, what the rows up to `radius` away from y found.
@@ -124,31 +134,33 @@ PENUMBRA_VECTOR_CLONES void gather_rows(const std::uint8_t* found, int width, in
 }
 
 /// @param columns  `radius` more on either side, 0 there
-PENUMBRA_VECTOR_CLONES void keep_mixed(const std::uint8_t* columns, int width, int radius, std::uint8_t* seen,
-                                       std::uint8_t* open) noexcept {
-    std::fill_n(seen, width, std::uint8_t{0});
+PENUMBRA_VECTOR_CLONES void gather_columns(const std::uint8_t* columns, int width, int radius,
+                                           std::uint8_t* out) noexcept {
+    std::fill_n(out, width, std::uint8_t{0});
     for (int dx = 0; dx <= 2 * radius; ++dx) {
         for (int x = 0; x < width; ++x) {
-            seen[x] |= columns[x + dx];
+            out[x] |= columns[x + dx];
         }
-    }
-    for (int x = 0; x < width; ++x) {
-        open[x] &= seen[x] & (seen[x] >> 1);  // both bits
     }
 }
 
-/// Sets those of `open`, 0 or 1 each, to 0 around which not both light and shadow were found.
-void open_where_mixed(std::span<const std::uint8_t> found, int width, int height, int radius,
-                      std::span<std::uint8_t> open, Control& control) {
-    const auto wide = static_cast<std::size_t>(width);
+/// Sets those of `open`, 0 or 1 each, to 0 where the pixels up to `radius` away did not find both light and shadow.
+void open_where_mixed(std::span<const std::uint8_t> found, const View& view, int radius, std::span<std::uint8_t> open,
+                      Control& control) {
+    const auto width = static_cast<std::size_t>(view.width);
     parallel_for(
-        height, 64,
+        view.height, 64,
         [&](std::int64_t begin, std::int64_t end) {
-            std::vector<std::uint8_t> columns(wide + 2 * static_cast<std::size_t>(radius), 0);
-            std::vector<std::uint8_t> seen(wide);
+            std::vector<std::uint8_t> columns(width + 2 * static_cast<std::size_t>(radius), 0);
+            std::vector<std::uint8_t> around(width);
             for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-                gather_rows(found.data(), width, height, y, radius, columns.data() + radius);
-                keep_mixed(columns.data(), width, radius, seen.data(), &open[static_cast<std::size_t>(y) * wide]);
+                gather_rows(found.data(), view.width, view.height, y, radius, columns.data() + radius);
+                gather_columns(columns.data(), view.width, radius, around.data());
+                std::uint8_t* const row = &open[static_cast<std::size_t>(y) * width];
+                for (std::size_t x = 0; x < width; ++x) {
+                    const bool mixed = around[x] == (kSawLight | kSawShadow);
+                    row[x] = mixed ? row[x] : std::uint8_t{0};
+                }
             }
         },
         control);
@@ -202,7 +214,8 @@ private:
     class Samples {
     public:
         Samples(const Walk& walk, bool line, std::uint32_t base)
-            : count_{walk.of},
+            : first_{walk.first},
+              count_{walk.of},
               bits_{bits_of(walk.of)},
               part_bits_{walk.part_bits},
               net_{!line && is_power_of_two(walk.of) && bits_ <= 16},
@@ -210,6 +223,11 @@ private:
               base_{base} {
             if (!net_) {
                 strata_ = make_strata(count_, line);
+                return;
+            }
+            const ScrambledNet plain{bits_, 0};
+            for (int k = walk.first; k < walk.first + walk.count && part_bits_ > 0; ++k) {
+                in_parts_.push_back(plain.point(plain.in_parts(static_cast<std::uint32_t>(k), part_bits_)));
             }
         }
         [[nodiscard]] bool is_net() const noexcept { return net_; }
@@ -232,7 +250,8 @@ private:
             CellRay ray;
             ray.index = k;
             if (net_) {
-                const ScrambledNet::Cell at = points_.point(points_.in_parts(k, part_bits_));
+                const ScrambledNet::Cell at =
+                    part_bits_ > 0 ? points_.shifted(in_parts_[k - static_cast<std::uint32_t>(first_)]) : points_.point(k);
                 ray.width = ray.height = 1.0F / static_cast<float>(count_);
                 ray.u = static_cast<float>(at.u) * ray.width;
                 ray.v = static_cast<float>(at.v) * ray.height;
@@ -246,11 +265,12 @@ private:
         }
 
     private:
-        int count_, bits_, part_bits_;
+        int first_, count_, bits_, part_bits_;
         bool net_, interleaved_;
         std::uint32_t base_;
         Strata strata_;
         ScrambledNet points_{0, 0};
+        std::vector<ScrambledNet::Cell> in_parts_;  ///< before the pixel's own scrambling
     };
 
     [[nodiscard]] Samples samples(const Walk& walk) const {
@@ -271,9 +291,10 @@ private:
     /// Calls store(pixel, seen) with the samples' visibility in their order.
     template <class Store>
     void trace_equally(std::span<const std::uint8_t> listed, const Walk& walk, const Store& store) {
+        const Samples shape = samples(walk);
         for_tiles(rays_, view_, points_, listed, options_.seed, walk.stream, control_,
                   [&](TileTracer& tracer, const TileReceivers& receivers) {
-                      Samples at = samples(walk);
+                      Samples at = shape;
                       const auto per_pixel = static_cast<std::size_t>(walk.count);
                       const auto width = static_cast<std::uint32_t>(view_.width);
                       std::vector<std::uint8_t> seen(static_cast<std::size_t>(receivers.count()) * per_pixel);
@@ -358,11 +379,7 @@ private:
 
     /// Takes from `open` what has rays that all agree with those of the eight pixels around.
     void undecided(std::span<const float> visibility, std::vector<std::uint8_t>& open) const {
-        std::vector<std::uint8_t> found(open.size());
-        for (std::size_t i = 0; i < found.size(); ++i) {
-            found[i] = found_by(visibility[i]);
-        }
-        open_where_mixed(found, view_.width, view_.height, 1, open, control_);
+        open_where_mixed(found_by(visibility, control_), view_, 1, open, control_);
     }
 
     /// V by what the pixels around found as well.
@@ -517,19 +534,15 @@ void find_penumbrae(const RayScene& rays, const View& view, const Light& light, 
                     std::uint32_t seed, std::span<std::uint8_t> open, std::span<float> visibility, Control& control) {
     PENUMBRA_ASSERT(listed.size() == view.size() && visibility.size() == view.size() && open.size() == view.size());
     const LightPoints points{light, rays.frame()};
+    std::ranges::fill(visibility, -1.0F);
     // The lanes of a packet are a block of pixels, and each lane has a stratum of its own.
     const Cells cells =
         make_cells(SamplePattern::Stratified, false, kPilotStrata, 0, kPilotStrata, points.one_dimensional());
-    std::ranges::fill(visibility, -1.0F);
     for_tiles(
         rays, view, points, listed, seed, kPilotStream, control,
         [&](TileTracer& tracer, const TileReceivers& receivers) { tracer.trace_one(receivers, cells, visibility); });
-    std::vector<std::uint8_t> found(view.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        found[i] = found_by(visibility[i]);
-        open[i] = listed[i] != 0 ? 1 : 0;
-    }
-    open_where_mixed(found, view.width, view.height, kPilotRadius, open, control);
+    std::ranges::transform(listed, open.begin(), [](std::uint8_t l) { return static_cast<std::uint8_t>(l != 0); });
+    open_where_mixed(found_by(visibility, control), view, kPilotRadius, open, control);
 }
 
 MaskedTraceCounts trace_masked(const RayScene& rays, const View& view, const Light& light,

@@ -26,6 +26,10 @@ public:
     [[nodiscard]] constexpr Cell point(std::uint32_t k) const noexcept {
         return {k ^ shift_u_, reversed(k, bits_) ^ shift_v_};
     }
+    /// A point of the net with key 0, of as many points, in this one.
+    [[nodiscard]] constexpr Cell shifted(const Cell& plain) const noexcept {
+        return {plain.u ^ shift_u_, plain.v ^ shift_v_};
+    }
     /// The numbers of the points in square (i, j) of 2^side_bits x 2^side_bits are first_in(i, j) + (p << side_bits)
     /// with p below 2^(bits - 2 side_bits); bits >= 2 side_bits.
     [[nodiscard]] constexpr std::uint32_t first_in(std::uint32_t i, std::uint32_t j, int side_bits) const noexcept {
