@@ -109,7 +109,10 @@ PENUMBRA_VECTOR_CLONES void find_in(const float* visibility, std::int64_t begin,
                                     std::uint8_t* found) noexcept {
     for (std::int64_t i = begin; i < end; ++i) {
         const float v = visibility[i];
-        found[i] = static_cast<std::uint8_t>((v > 0.0F ? kSawLight : 0) | ((v >= 0.0F) & (v < 1.0F) ? kSawShadow : 0));
+        const int light = v > 0.0F ? kSawLight : 0;
+        const int known = v >= 0.0F ? kSawShadow : 0;
+        const int less = v < 1.0F ? kSawShadow : 0;
+        found[i] = static_cast<std::uint8_t>(light | (known & less));
     }
 }
 
