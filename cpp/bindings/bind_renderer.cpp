@@ -23,10 +23,8 @@ ViewBy view_by_of(const std::string& name) {
 /// The renderer and the size of its images, so that arrays get their shape.
 struct PyRenderer {
     PyRenderer(const std::string& device, bool debug, std::size_t most_kept_bytes, const std::string& view_by)
-        : renderer{{.device = device,
-                    .debug = debug,
-                    .view_by = view_by_of(view_by),
-                    .most_kept_bytes = most_kept_bytes}} {}
+        : renderer{
+              {.device = device, .debug = debug, .view_by = view_by_of(view_by), .most_kept_bytes = most_kept_bytes}} {}
     Renderer renderer;
     py::ssize_t width = 512, height = 512;
 
@@ -80,7 +78,8 @@ void bind_view(py::module_& m) {
 py::dict environment(const PyRenderer& self) {
     const Environment& e = self.renderer.environment();
     return py::dict("gl_renderer"_a = e.gl_renderer, "gl_version"_a = e.gl_version, "gl_vendor"_a = e.gl_vendor,
-                    "device"_a = e.device, "software"_a = e.software, "threads"_a = e.threads, "embree"_a = e.embree, "view_by"_a = e.view_by);
+                    "device"_a = e.device, "software"_a = e.software, "threads"_a = e.threads, "embree"_a = e.embree,
+                    "view_by"_a = e.view_by);
 }
 
 void set_scene(PyRenderer& self, const Scene& scene) {

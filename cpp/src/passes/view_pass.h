@@ -16,8 +16,8 @@ namespace penumbra {
 [[nodiscard]] glm::dmat4 clip_from_rel(const Camera& camera);
 
 /// What the camera sees. The device finds which triangle each pixel shows; the surfaces there are placed in float64 in
-/// main memory (geometry/seen_surfaces), where plans, masks and rays need them anyway. Techniques on the device get them
-/// as one texture, made when the first of them asks.
+/// main memory (geometry/seen_surfaces), where plans, masks and rays need them anyway. Techniques on the device get
+/// them as one texture, made when the first of them asks.
 class ViewPass {
 public:
     /// Makes the textures of the camera's size if they are not there, and renders.

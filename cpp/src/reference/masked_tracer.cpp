@@ -10,26 +10,21 @@
 
 #include "base/assert.h"
 #include "base/parallel.h"
+#include "reference/for_tiles.h"
 #include "reference/light_points.h"
-#include "reference/receivers.h"
+#include "reference/mixed_pixels.h"
 #include "reference/sampling.h"
 #include "reference/scrambled_net.h"
 #include "reference/shared_fit.h"
 #include "reference/strata_board.h"
-#include "reference/tile_tracer.h"
-#include "reference/vector_clones.h"
-#include "reference/visibility_tracer.h"
 
 namespace penumbra {
 namespace {
 
-/// Streams of random numbers; the reference has 1 and 2.
+/// Streams of random numbers; the reference has 1 and 2, pilot rays 6.
 constexpr std::uint32_t kFirstStream = 3;
 constexpr std::uint32_t kBoardStream = 4;
 constexpr std::uint32_t kFineStream = 5;
-constexpr std::uint32_t kPilotStream = 6;
-constexpr int kPilotStrata = 16;  // of the light: as many as a 4 x 4 block has pixels
-constexpr int kTilesPerPiece = 4;
 constexpr int kOpenRadius = 2;  // pixels
 /// With `share`, of the first rays: those that say whether there is a penumbra at all.
 constexpr int kBeginRays = 4;
@@ -38,10 +33,10 @@ constexpr int kEnoughToAgree = 8;
 constexpr float kSteep = 0.15F;
 /// Of V, per pixel: the penumbra is narrower than five pixels, and most pixels beside it see all or nothing.
 constexpr float kSharp = 0.2F;
-/// Of that scatter: not even if no more rays follow is the plane better than the pixel's own rays.
-constexpr float kRough = 1.3F;
 /// Of the noise of n first rays in a penumbra, 0.37 n^-0.75: more scatter around the plane is no noise.
 constexpr double kScatter = 1.4;
+/// Of that: beyond it the plane is worse than the pixel's own rays, even if no more follow.
+constexpr float kRough = 1.3F;
 
 bool is_power_of_two(int x) noexcept {
     return std::has_single_bit(static_cast<unsigned>(x));
@@ -49,27 +44,6 @@ bool is_power_of_two(int x) noexcept {
 
 int bits_of(int power_of_two) noexcept {
     return std::countr_zero(static_cast<unsigned>(power_of_two));
-}
-
-/// Calls work(tracer, receivers) for every tile that has listed pixels.
-template <class Work>
-void for_tiles(const RayScene& rays, const View& view, const LightPoints& points, std::span<const std::uint8_t> listed,
-               std::uint32_t seed, std::uint32_t stream, Control& control, const Work& work) {
-    const Tiles tiles{rays, view};
-    parallel_for(
-        tiles.count(), kTilesPerPiece,
-        [&](std::int64_t begin, std::int64_t end) {
-            TileTracer tracer{rays, points, seed, stream};
-            TileReceivers receivers;
-            for (std::int64_t tile = begin; tile < end; ++tile) {
-                control.check();
-                tiles.collect(listed, tile, receivers);
-                if (receivers.count() > 0) {
-                    work(tracer, receivers);
-                }
-            }
-        },
-        control);
 }
 
 /// Calls visit(index) for the pixels around one, not itself.
@@ -99,74 +73,6 @@ bool open_around(const View& view, std::span<const float> visibility, std::size_
         }
     });
     return least < most || (most > 0.0F && most < 1.0F) || most < 0.0F;
-}
-
-constexpr std::uint8_t kSawLight = 1;
-constexpr std::uint8_t kSawShadow = 2;
-
-/// What the rays of each pixel saw; below 0: it has none.
-PENUMBRA_VECTOR_CLONES void find_in(const float* visibility, std::int64_t begin, std::int64_t end,
-                                    std::uint8_t* found) noexcept {
-    for (std::int64_t i = begin; i < end; ++i) {
-        const float v = visibility[i];
-        const int light = v > 0.0F ? kSawLight : 0;
-        const int known = v >= 0.0F ? kSawShadow : 0;
-        const int less = v < 1.0F ? kSawShadow : 0;
-        found[i] = static_cast<std::uint8_t>(light | (known & less));
-    }
-}
-
-std::vector<std::uint8_t> found_by(std::span<const float> visibility, Control& control) {
-    std::vector<std::uint8_t> found(visibility.size());
-    parallel_for(
-        static_cast<std::int64_t>(visibility.size()), 32768,
-        [&](std::int64_t begin, std::int64_t end) { find_in(visibility.data(), begin, end, found.data()); }, control);
-    return found;
-}
-
-/// Per column, what the rows up to `radius` away from y found.
-PENUMBRA_VECTOR_CLONES void gather_rows(const std::uint8_t* found, int width, int height, int y, int radius,
-                                        std::uint8_t* out) noexcept {
-    std::fill_n(out, width, std::uint8_t{0});
-    for (int row = std::max(0, y - radius); row <= std::min(height - 1, y + radius); ++row) {
-        const std::uint8_t* const from = found + static_cast<std::ptrdiff_t>(row) * width;
-        for (int x = 0; x < width; ++x) {
-            out[x] |= from[x];
-        }
-    }
-}
-
-/// @param columns  `radius` more on either side, 0 there
-PENUMBRA_VECTOR_CLONES void gather_columns(const std::uint8_t* columns, int width, int radius,
-                                           std::uint8_t* out) noexcept {
-    std::fill_n(out, width, std::uint8_t{0});
-    for (int dx = 0; dx <= 2 * radius; ++dx) {
-        for (int x = 0; x < width; ++x) {
-            out[x] |= columns[x + dx];
-        }
-    }
-}
-
-/// Sets those of `open`, 0 or 1 each, to 0 where the pixels up to `radius` away did not find both light and shadow.
-void open_where_mixed(std::span<const std::uint8_t> found, const View& view, int radius, std::span<std::uint8_t> open,
-                      Control& control) {
-    const auto width = static_cast<std::size_t>(view.width);
-    parallel_for(
-        view.height, 64,
-        [&](std::int64_t begin, std::int64_t end) {
-            std::vector<std::uint8_t> columns(width + 2 * static_cast<std::size_t>(radius), 0);
-            std::vector<std::uint8_t> around(width);
-            for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-                gather_rows(found.data(), view.width, view.height, y, radius, columns.data() + radius);
-                gather_columns(columns.data(), view.width, radius, around.data());
-                std::uint8_t* const row = &open[static_cast<std::size_t>(y) * width];
-                for (std::size_t x = 0; x < width; ++x) {
-                    const bool mixed = around[x] == (kSawLight | kSawShadow);
-                    row[x] = mixed ? row[x] : std::uint8_t{0};
-                }
-            }
-        },
-        control);
 }
 
 class MaskedTrace {
@@ -253,8 +159,9 @@ private:
             CellRay ray;
             ray.index = k;
             if (net_) {
-                const ScrambledNet::Cell at =
-                    part_bits_ > 0 ? points_.shifted(in_parts_[k - static_cast<std::uint32_t>(first_)]) : points_.point(k);
+                const ScrambledNet::Cell at = part_bits_ > 0
+                                                  ? points_.shifted(in_parts_[k - static_cast<std::uint32_t>(first_)])
+                                                  : points_.point(k);
                 ray.width = ray.height = 1.0F / static_cast<float>(count_);
                 ray.u = static_cast<float>(at.u) * ray.width;
                 ray.v = static_cast<float>(at.v) * ray.height;
@@ -382,7 +289,7 @@ private:
 
     /// Takes from `open` what has rays that all agree with those of the eight pixels around.
     void undecided(std::span<const float> visibility, std::vector<std::uint8_t>& open) const {
-        open_where_mixed(found_by(visibility, control_), view_, 1, open, control_);
+        keep_mixed(view_, visibility, 1, open, control_);
     }
 
     /// V by what the pixels around found as well.
@@ -403,8 +310,8 @@ private:
                     }
                     const SharedFit fit = fit_around(view_, found_, i, options_.share);
                     const bool narrow = fit.slope > kSteep || fit.scatter > noise;
-                    const bool agree = fit.slope > kSharp && first >= kEnoughToAgree &&
-                                       (found_[i] <= 0.0F || found_[i] >= 1.0F);
+                    const bool agree =
+                        fit.slope > kSharp && first >= kEnoughToAgree && (found_[i] <= 0.0F || found_[i] >= 1.0F);
                     open[i] = narrow && !agree ? 1 : 0;
                     if (!narrow || (fit.slope <= kSharp && fit.scatter <= kRough * noise)) {
                         visibility[i] = fit.visibility;
@@ -532,21 +439,6 @@ private:
 };
 
 }  // namespace
-
-void find_penumbrae(const RayScene& rays, const View& view, const Light& light, std::span<const std::uint8_t> listed,
-                    std::uint32_t seed, std::span<std::uint8_t> open, std::span<float> visibility, Control& control) {
-    PENUMBRA_ASSERT(listed.size() == view.size() && visibility.size() == view.size() && open.size() == view.size());
-    const LightPoints points{light, rays.frame()};
-    std::ranges::fill(visibility, -1.0F);
-    // The lanes of a packet are a block of pixels, and each lane has a stratum of its own.
-    const Cells cells =
-        make_cells(SamplePattern::Stratified, false, kPilotStrata, 0, kPilotStrata, points.one_dimensional());
-    for_tiles(
-        rays, view, points, listed, seed, kPilotStream, control,
-        [&](TileTracer& tracer, const TileReceivers& receivers) { tracer.trace_one(receivers, cells, visibility); });
-    std::ranges::transform(listed, open.begin(), [](std::uint8_t l) { return static_cast<std::uint8_t>(l != 0); });
-    open_where_mixed(found_by(visibility, control), view, kPilotRadius, open, control);
-}
 
 MaskedTraceCounts trace_masked(const RayScene& rays, const View& view, const Light& light,
                                std::span<const std::uint8_t> listed, const MaskedTraceOptions& options,

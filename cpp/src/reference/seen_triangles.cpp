@@ -20,9 +20,7 @@ constexpr int kRowsPerPiece = 2;  // of blocks
 class CameraRays {
 public:
     CameraRays(const Camera& camera, const AnchorFrame& frame)
-        : rays_{camera},
-          eye_an_{frame.point(glm::dvec3{camera.world_from_camera[3]})},
-          per_unit_{1.0 / frame.unit_m} {
+        : rays_{camera}, eye_an_{frame.point(glm::dvec3{camera.world_from_camera[3]})}, per_unit_{1.0 / frame.unit_m} {
         const glm::dvec3 forward = -glm::dvec3{camera.world_from_camera[2]};
         const double middle_an = -glm::dot(eye_an_, forward);
         const double reach_an = std::sqrt(3.0);  // coordinates of the geometry lie within +-1
@@ -79,7 +77,8 @@ void find_seen(const RayScene& rays, const Camera& camera, std::span<glm::uvec2>
         for (int lane = 0; lane < kRayLanes; ++lane) {
             if (valid[lane] != 0) {
                 const std::uint32_t geometry = packet.hit.geometry[lane];
-                const std::size_t pixel = static_cast<std::size_t>(bottom + lane / kBlock) * width + left + lane % kBlock;
+                const std::size_t pixel =
+                    static_cast<std::size_t>(bottom + lane / kBlock) * width + left + lane % kBlock;
                 seen[pixel] = geometry == embree::kNothing
                                   ? glm::uvec2{0U}
                                   : glm::uvec2{rays.instance_of(geometry, packet.hit.instance[lane]) + 1U,
@@ -87,24 +86,23 @@ void find_seen(const RayScene& rays, const Camera& camera, std::span<glm::uvec2>
             }
         }
     };
-    parallel_for(
-        (height + kBlock - 1) / kBlock, kRowsPerPiece,
-        [&](std::int64_t begin, std::int64_t end) {
-            alignas(64) embree::RayHitPacket<kRayLanes> packet{};
-            packet.ray.mask.fill(~0U);
-            for (std::int64_t block = begin; block < end; ++block) {
-                control.check();
-                const int bottom = static_cast<int>(block) * kBlock;
-                std::array<glm::dvec3, kBlock> rows;
-                for (int y = 0; y < kBlock; ++y) {
-                    rows[y] = through.row(bottom + y);
-                }
-                for (int left = 0; left < width; left += kBlock) {
-                    block_at(left, bottom, rows, packet);
-                }
-            }
-        },
-        control);
+    parallel_for((height + kBlock - 1) / kBlock, kRowsPerPiece,
+                 [&](std::int64_t begin, std::int64_t end) {
+                     alignas(64) embree::RayHitPacket<kRayLanes> packet{};
+                     packet.ray.mask.fill(~0U);
+                     for (std::int64_t block = begin; block < end; ++block) {
+                         control.check();
+                         const int bottom = static_cast<int>(block) * kBlock;
+                         std::array<glm::dvec3, kBlock> rows;
+                         for (int y = 0; y < kBlock; ++y) {
+                             rows[y] = through.row(bottom + y);
+                         }
+                         for (int left = 0; left < width; left += kBlock) {
+                             block_at(left, bottom, rows, packet);
+                         }
+                     }
+                 },
+                 control);
 }
 
 }  // namespace penumbra

@@ -559,7 +559,7 @@ std::vector<Measurement> Renderer::measure(std::size_t light, std::span<const Jo
     }
     return impl_->thread_.run([&](Device& device) {
         static_cast<void>(impl_->view(device, control));
-        Control inner = Control::within(control);  // what a single frame has done is no progress of the measuring
+        Control inner = Control::within(control);   // what a single frame has done is no progress of the measuring
         impl_->state_->view_pass.forget_readers();  // what these jobs do not read is not in their view's time
         std::vector<std::unique_ptr<Impl::Run>> runs;
         std::vector<std::map<std::string, std::vector<double>>> steps(jobs.size());

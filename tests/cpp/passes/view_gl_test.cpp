@@ -58,9 +58,8 @@ protected:
     }
 };
 
-INSTANTIATE_TEST_SUITE_P(By, ViewGl, testing::Values(By::Raster, By::Rays), [](const auto& by) {
-    return std::string{by.param == By::Raster ? "Raster" : "Rays"};
-});
+INSTANTIATE_TEST_SUITE_P(By, ViewGl, testing::Values(By::Raster, By::Rays),
+                         [](const auto& by) { return std::string{by.param == By::Raster ? "Raster" : "Rays"}; });
 
 Scene ground_from_above() {
     Scene scene;
@@ -353,7 +352,8 @@ TEST(SeenTriangles, AreThoseOfInstancesThatShareAMeshAndOfThoseThatDoNot) {
     EXPECT_EQ(at(0.05, 1.1).x, 1U);
     // The triangle is the ball's own: its plane passes near the sphere where the pixel is.
     const glm::uvec3 t = ball->triangles[at(0.3, 0.3).y];
-    const glm::vec3 middle = (ball->positions_local[t.x] + ball->positions_local[t.y] + ball->positions_local[t.z]) / 3.F;
+    const glm::vec3 middle =
+        (ball->positions_local[t.x] + ball->positions_local[t.y] + ball->positions_local[t.z]) / 3.F;
     EXPECT_LT(glm::length(glm::vec2{middle} - glm::vec2{0.3F, 0.3F}), 0.35F);
     EXPECT_GT(middle.z, 0.5F);
 }

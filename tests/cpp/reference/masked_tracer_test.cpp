@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/parallel.h"
+#include "reference/pilot_rays.h"
 #include "reference/scrambled_net.h"
 #include "reference/shared_fit.h"
 #include "reference/strata_board.h"

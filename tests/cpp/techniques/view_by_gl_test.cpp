@@ -35,7 +35,8 @@ protected:
         scene.camera.pixel_offset = {0.137, 0.271};
         return scene;
     }
-    /// Views of the same triangles, but where a sample lies nearer to an edge than the rasteriser's grid of 1/256 pixel.
+    /// Views of the same triangles, but where a sample lies nearer to an edge than the rasteriser's grid of 1/256
+    /// pixel.
     static void expect_like_views(const Scene& scene, Control& control) {
         shared()->set_scene(scene);
         by_rays().set_scene(scene);

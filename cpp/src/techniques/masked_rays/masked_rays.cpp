@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "passes/frame.h"
+#include "reference/pilot_rays.h"
 #include "reference/ray_scene.h"
 #include "techniques/all_lights.h"
 
@@ -224,8 +225,7 @@ std::vector<Statistic> MaskedRays::statistics(Frame& frame) {
     all.push_back(
         {"full_share", "Pixels with all rays", "share of the mask", static_cast<double>(counts_.full_pixels) / asked});
     all.push_back({"rays", "Rays cast", "rays", static_cast<double>(rays)});
-    all.push_back(
-        {"rays_per_traced_pixel", "Rays per traced pixel", "rays", static_cast<double>(rays) / pixels});
+    all.push_back({"rays_per_traced_pixel", "Rays per traced pixel", "rays", static_cast<double>(rays) / pixels});
     return all;
 }
 

@@ -24,7 +24,7 @@ public:
     void prepare(Frame& frame) override;
     void update(Frame& frame) override;
     void resolve(Frame& frame) override;
-    [[nodiscard]] std::size_t memory_bytes() const noexcept override { 
+    [[nodiscard]] std::size_t memory_bytes() const noexcept override {
         return mask_.bytes() + classes_.capacity() + listed_.capacity();
     }
     [[nodiscard]] std::vector<Statistic> statistics(Frame& frame) override;
