@@ -39,9 +39,9 @@ public:
         return (high_u << static_cast<unsigned>(low)) | reversed(high_v, side_bits);
     }
 
-    /// The number of the point that comes m-th when the net is taken in 2^part_bits parts, each of which is a net as well:
-    /// a first part that turns out to be too small can then be gone on from. A part is what the exclusive or of all
-    /// groups of part_bits digits is: of any part_bits digits in a row the others then leave one choice, and what a
+    /// The number of the point that comes m-th when the net is taken in 2^part_bits parts, each of which is a net as
+    /// well: a first part that turns out to be too small can then be gone on from. A part is what the exclusive or of
+    /// all groups of part_bits digits is: of any part_bits digits in a row the others then leave one choice, and what a
     /// net of the part's size may not look at is such a row. Its error for straight edges is that of a net of its size
     /// and 0.5 to 3 % (two bits), 4 to 9 % (one bit).
     /// @param part_bits  0 .. bits
