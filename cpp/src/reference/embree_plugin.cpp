@@ -204,10 +204,9 @@ void commit(Scene* scene, KeepGoing keep_going, void* user) {
 }
 
 const Table table{
-    kTableVersion, RTC_VERSION, new_device,    release_device, loaded_version,   native_packets,
-    take_status,   new_scene,   release_scene, new_triangles,  attach_triangles, attach_instance,
-    commit,        occluded1,   occluded4,     occluded8,      occluded16,       first_hit16,
-    occluded_stream,
+    kTableVersion, RTC_VERSION,   new_device,    release_device,   loaded_version,  native_packets, take_status,
+    new_scene,     release_scene, new_triangles, attach_triangles, attach_instance, commit,         occluded1,
+    occluded4,     occluded8,     occluded16,    first_hit16,      occluded_stream,
 };
 
 }  // namespace
