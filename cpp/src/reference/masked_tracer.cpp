@@ -297,7 +297,7 @@ private:
     ///              sharp, those are left out whose own rays agree, if these are not few: of f of the light that an
     ///              edge hides, n strata miss all 1 - n f times, and 2 n of them would err by as much.
     void share_first_rays(int first, std::vector<std::uint8_t>& open, std::span<float> visibility) {
-        const auto noise = static_cast<float>(kScatter * 0.37 * std::pow(options_.first_rays, -0.75));
+        const auto noise = static_cast<float>(kScatter * 0.37 * std::pow(first, -0.75));
         parallel_for(
             view_.height, 8,
             [&](std::int64_t begin, std::int64_t end) {

@@ -324,6 +324,15 @@ TEST(MaskedTracer, WhereThePixelsAroundAgreeFourRaysAreEnoughToShare) {
     EXPECT_GE(counts.rays, view.size() * 4 + 64 * 2 * 60);
 }
 
+TEST(MaskedTracer, MoreFirstRaysThanRaysAreAsManyAsRays) {
+    const View view = ramp(32);
+    const Light light = test::rectangle({0, 0, 2}, 0.25, 0.25);
+    for (const int rays : {4, 16}) {
+        EXPECT_EQ(trace(half_plane(), light, view, {.rays = rays, .first_rays = 64, .share = 1}),
+                  trace(half_plane(), light, view, {.rays = rays, .first_rays = rays, .share = 1}));
+    }
+}
+
 TEST(MaskedTracer, SharingServesEveryNumberOfRays) {
     // Powers of two go on from what they have, others cast anew: the error falls with both.
     const View view = ramp(64);
