@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "base/assert.h"
 #include "base/parallel.h"
@@ -20,13 +20,11 @@ constexpr int kRowsPerPiece = 2;  // of blocks
 class CameraRays {
 public:
     CameraRays(const Camera& camera, const AnchorFrame& frame)
-        : rays_{camera}, eye_an_{frame.point(glm::dvec3{camera.world_from_camera[3]})}, per_unit_{1.0 / frame.unit_m} {
-        const glm::dvec3 forward = -glm::dvec3{camera.world_from_camera[2]};
-        const double middle_an = -glm::dot(eye_an_, forward);
-        const double reach_an = std::sqrt(3.0);  // coordinates of the geometry lie within +-1
-        begin_an_ = std::max(camera.near_m * per_unit_, middle_an - reach_an);
-        length_ = static_cast<float>(camera.far_m * per_unit_ - begin_an_);
-    }
+        : rays_{camera},
+          eye_an_{frame.point(glm::dvec3{camera.world_from_camera[3]})},
+          per_unit_{1.0 / frame.unit_m},
+          begin_an_{std::max(camera.near_m * per_unit_, nearest_an(camera))},
+          length_{static_cast<float>(camera.far_m * per_unit_ - begin_an_)} {}
     void set(embree::RayPacket<kRayLanes>& packet, int lane, const glm::dvec3& row, int x) const noexcept {
         const PixelRays::Ray ray = rays_.at(row, x);
         const glm::vec3 from{eye_an_ + ray.origin * per_unit_ + begin_an_ * ray.along};
@@ -44,11 +42,16 @@ public:
     [[nodiscard]] bool any() const noexcept { return length_ > 0.0F; }
 
 private:
+    /// Depth before which nothing lies: coordinates of the geometry are within +-1.
+    [[nodiscard]] double nearest_an(const Camera& camera) const noexcept {
+        return glm::dot(eye_an_, glm::dvec3{camera.world_from_camera[2]}) - std::numbers::sqrt3;
+    }
+
     PixelRays rays_;
     glm::dvec3 eye_an_;
     double per_unit_;
-    double begin_an_ = 0.0;
-    float length_ = 0.0F;
+    double begin_an_;
+    float length_;
 };
 
 }  // namespace
