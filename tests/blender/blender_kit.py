@@ -93,6 +93,15 @@ class Kit:
         self.scene.camera = obj
         return obj
 
+    def plate_over_floor(self) -> None:
+        """A plate over a floor under a square light, seen from the side in 96 x 64 pixels."""
+        self.plane("Floor", half=5)
+        self.plane("Plate", half=0.7, at=(0, 0, 1))
+        self.light("AREA", name="Key", energy=100, at=(0, 0, 4), size=1.0)
+        self.camera(at=(0, -5, 4.2), turn=(0.87, 0, 0))
+        render = self.scene.render
+        render.resolution_x, render.resolution_y, render.resolution_percentage = 96, 64, 100
+
     def material(self, name: str, node: str, **inputs: Any) -> Any:
         """A material of one shader node; input names with _ for a space."""
         material = bpy.data.materials.new(name)

@@ -29,13 +29,8 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Mon
 
 @pytest.fixture
 def scene(addon: Kit) -> Kit:
-    """A plate over a floor under a square light and a point light; two fast techniques are chosen."""
-    addon.plane("Floor", half=5)
-    addon.plane("Plate", half=0.7, at=(0, 0, 1))
-    addon.light("AREA", name="Key", energy=100, at=(0, 0, 4), size=1.0)
-    addon.camera(at=(0, -5, 4.2), turn=(0.87, 0, 0))
-    addon.scene.render.resolution_x, addon.scene.render.resolution_y = 96, 64
-    addon.scene.render.resolution_percentage = 100
+    """A plate over a floor under a square light; two fast techniques are chosen."""
+    addon.plate_over_floor()
     addon.scene.penumbra.reference_error = 0.05
     kept = addon.scene.penumbra_comparison
     kept.scale, kept.timing_seconds = 100, 0.05

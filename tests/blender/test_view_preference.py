@@ -24,12 +24,7 @@ def own(addon: Kit, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 @pytest.fixture
 def scene(addon: Kit) -> Kit:
-    addon.plane("Floor", half=5)
-    addon.plane("Plate", half=0.7, at=(0, 0, 1))
-    addon.light("AREA", name="Key", energy=100, at=(0, 0, 4), size=1.0)
-    addon.camera(at=(0, -5, 4.2), turn=(0.87, 0, 0))
-    render = addon.scene.render
-    render.resolution_x, render.resolution_y, render.resolution_percentage = 96, 64, 100
+    addon.plate_over_floor()
     addon.scene.penumbra.pixel_samples = 1
     bpy.context.view_layer.update()
     return addon

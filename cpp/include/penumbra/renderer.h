@@ -79,7 +79,7 @@ struct Measurement {
 /// What a renderer has done since it was made. What a count does not go up by was not run.
 struct WorkDone {
     std::uint64_t programs = 0;        ///< shader programs compiled
-    std::uint64_t views = 0;           ///< G-buffers drawn
+    std::uint64_t views = 0;           ///< G-buffers made
     std::uint64_t summaries = 0;       ///< lights summarised
     std::uint64_t ray_scenes = 0;      ///< acceleration structures built
     std::uint64_t geometries = 0;      ///< times that meshes were sent

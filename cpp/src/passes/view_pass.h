@@ -36,8 +36,8 @@ public:
     void forget_readers() noexcept { receiver_wanted_ = false; }
     /// DEPTH32F_STENCIL8: reversed depth (1 near, 0 far or nothing), drawn by view_ids.vert with depth clamp on, so
     /// that a pass which places vertices by the same expression and clamps as well gets the same bits. The stencil is
-    /// whose turn it is: clear it first, leave the depth as it is. Drawn by render(); of a view that place() made, when
-    /// it is first asked for, and by place() itself never.
+    /// whose turn it is: clear it first, leave the depth as it is. There after render(); after place() it is drawn
+    /// when it is first asked for.
     const TextureImage& depth_stencil(Device& device, GpuScene& gpu_scene, const Scene& scene);
     [[nodiscard]] std::size_t memory_bytes() const noexcept;
 

@@ -188,7 +188,7 @@ private:
     }
 
     /// Sets V of the listed pixels to the share of their rays that got through.
-    /// @param before  V by the rays before walk.first, where there are any
+    /// @param before  V by the rays before walk.first, where there are any; may be `visibility` itself
     void trace_walk(std::span<const std::uint8_t> listed, const Walk& walk, std::span<float> visibility,
                     std::span<const float> before = {}) {
         trace_equally(listed, walk, [&](std::uint32_t pixel, std::span<const std::uint8_t> seen) {
@@ -272,10 +272,9 @@ private:
         trace_walk(listed_, walk, visibility);
         std::vector<std::uint8_t> open(listed_.begin(), listed_.end());
         if (begin < first) {
-            undecided(visibility, open);
-            found_.assign(visibility.begin(), visibility.end());
+            keep_mixed(view_, visibility, 1, open, control_);
             walk = walk.next(first - begin);
-            trace_walk(open, walk, visibility, found_);
+            trace_walk(open, walk, visibility, visibility);
         }
         found_.assign(visibility.begin(), visibility.end());
         share_first_rays(first, open, visibility);
@@ -285,11 +284,6 @@ private:
         } else if (more) {
             trace_rest(open, counts, visibility);
         }
-    }
-
-    /// Takes from `open` what has rays that all agree with those of the eight pixels around.
-    void undecided(std::span<const float> visibility, std::vector<std::uint8_t>& open) const {
-        keep_mixed(view_, visibility, 1, open, control_);
     }
 
     /// V by what the pixels around found as well.

@@ -16,6 +16,7 @@ inline constexpr int kPilotRadius = 2;  ///< pixels
 /// agree, V is taken to be what they found. That misses what none of them met: it is not right on average, unlike the
 /// rays that follow.
 ///
+/// @param listed      1 where V is asked; view.size() entries
 /// @param open        set to 1 where V has to be found out, else 0; view.size() entries
 /// @param visibility  set to 0 or 1 for each listed pixel, right where that is sure, and to -1 for the others;
 ///                    view.size() entries

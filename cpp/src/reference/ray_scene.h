@@ -26,15 +26,15 @@ enum class RayTargets { Casting, Visible };
 /// The casting instances of a scene, ready for occlusion rays, or those that the camera sees, ready for its own.
 /// Immutable, so any number of threads may trace.
 ///
-/// A mesh that casts once is flattened into the anchor frame in float64; a mesh that casts several times is built once
-/// and instanced, unless its transform shears so strongly that float32 rays would lose digits in its local space.
+/// A mesh that is met once is flattened into the anchor frame in float64; one that stands in several places is built
+/// once and instanced, unless its transform shears so strongly that float32 rays would lose digits in its local space.
 class RayScene {
 public:
     /// Builds on thread_count() threads. @throws Cancelled, OutOfMemory, DeviceError (no Embree)
     RayScene(const Scene& scene, Control& control, RayTargets targets = RayTargets::Casting);
 
     [[nodiscard]] const AnchorFrame& frame() const noexcept { return frame_; }
-    /// True if nothing casts: everything is lit.
+    /// True if there is nothing to meet: everything is lit, nothing is seen.
     [[nodiscard]] bool empty() const noexcept { return empty_; }
     /// How far the vertices of one instance reach from the anchor, per coordinate and in anchor units: the measure of
     /// their float32 rounding.
